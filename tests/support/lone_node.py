@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -54,6 +54,7 @@ class LoneTool:
         self.ends: Result | None = Result(Outcome.SUCCEEDED, EndEffectorState.STAND_BY)
         self._statuses: list[Callable[[Status], None]] = []
         self._readings: list[Callable[[JudgedReadings], None]] = []
+        self.keys: list[Callable[[JudgedReadings], object] | None] = []
         self.latest = JudgedReadings(now_us(), {})
 
     def subscribe(self, listener: Callable[[Status], None], *, name: str = "") -> None:
@@ -64,9 +65,10 @@ class LoneTool:
         listener: Callable[[JudgedReadings], None],
         *,
         name: str = "",
-        channels: Collection[str] | None = None,
+        key: Callable[[JudgedReadings], object] | None = None,
     ) -> None:
         self._readings.append(listener)
+        self.keys.append(key)
 
     def follow_readings(self) -> Callable[[], JudgedReadings]:
         return lambda: self.latest
@@ -118,6 +120,18 @@ class LoneTool:
         return self.ends
 
 
+class Messages(list[Any]):
+    """The messages of one topic; ``read``: whether it has a subscriber."""
+
+    read = True
+
+    def __call__(self, message: Any) -> None:
+        self.append(message)
+
+    def is_read(self) -> bool:
+        return self.read
+
+
 class LoneTransport:
     """Keeps what a node publishes; a test calls what it has registered."""
 
@@ -125,7 +139,7 @@ class LoneTransport:
 
     def __init__(self, tool: Description | None = None, without: tuple[Action, ...] = ()) -> None:
         self.log = logging.getLogger("tests.lone_node")
-        self.published: dict[str, list[Any]] = {}
+        self.published: dict[str, Messages] = {}
         self.ticks: dict[float, Callable[[], None]] = {}
         self.closers: list[Callable[[], None]] = []
         self.goals: dict[str, Callable[[Any], None]] = {}
@@ -138,8 +152,8 @@ class LoneTransport:
     def parameter(self, parameter: Parameter, default: str = "") -> str:
         return default
 
-    def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        return self.published.setdefault(topic.name, []).append
+    def publisher(self, topic: Topic) -> Messages:
+        return self.published.setdefault(topic.name, Messages())
 
     def every(self, rate_hz: float, callback: Callable[[], None]) -> None:
         self.ticks[rate_hz] = callback

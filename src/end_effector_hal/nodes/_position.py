@@ -123,7 +123,11 @@ class PositionNode:
         self._tool.subscribe(self._on_status, name=POSITION)
         if changer:
             bits = changer.locked_bit, changer.unlocked_bit, changer.stand_bit, changer.present_bit
-            self._tool.subscribe_readings(self._on_readings, name=POSITION, channels=bits)
+            self._tool.subscribe_readings(
+                self._on_readings,
+                name=POSITION,
+                key=lambda readings: [*map(readings.values.get, bits)],
+            )
         node.every(STATE_HZ, self._tick)
         publish_health(node, description.name, self._health)
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
@@ -35,16 +34,18 @@ class PressureNode:
         self._log, self._tool = node.log, node.tool()
         description = self._tool.description
         self._frame_id = node.parameter(FRAME_ID) or f"{description.name}_link"
-        self._pressures: dict[str, Callable[[Any], None]] = {
-            channel: node.publisher(topic) for channel, topic in pressure_topics(description)
-        }
+        self._pressures = {channel: node.publisher(topic) for channel, topic in pressure_topics(description)}
         self._unknown: set[str] = set()
         """Pressures whose last published value is NaN."""
         self._logged: dict[str, str] = {}
         """The last line in the log about each source."""
-        self._tool.subscribe_readings(self._on_readings, name=PRESSURE)
+        self._tool.subscribe_readings(self._on_readings, name=PRESSURE, key=self._frame_for_readers)
         where = ", ".join(link.port for link in description.links.values())
         publish_health(node, description.name, self._health, hardware=where or description.sensors)
+
+    def _frame_for_readers(self, readings: JudgedReadings) -> int:
+        """Return a number for each frame; a constant while no pressure is read."""
+        return readings.at if any(publish.is_read() for publish in self._pressures.values()) else 0
 
     def _on_readings(self, readings: JudgedReadings) -> None:
         header = MessageHeader(readings.at, self._frame_id)

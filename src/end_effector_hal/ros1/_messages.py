@@ -110,29 +110,36 @@ def _is_utf8(text: str) -> bool:
     return True
 
 
-def publisher(topic: Topic, is_ending: Callable[[], bool]) -> Callable[[Any], None]:
-    """Return a function that publishes a message on a topic.
+class TopicPublisher:
+    """Publishes the messages of a topic; none is made that nobody reads.
 
     Args:
         topic: a topic of the interface table.
         is_ending: returns whether the node is at its end; messages that are published then may be lost without an
             error.
     """
-    kind = message_class(topic.type)
-    make = MessageMaker(kind)
-    sender = rospy.Publisher(topic.name, kind, tcp_nodelay=True, latch=topic.latched, queue_size=topic.queue)
 
-    def publish(message: Any) -> None:
-        if not (topic.latched or sender.get_num_connections()):
+    def __init__(self, topic: Topic, is_ending: Callable[[], bool]) -> None:
+        kind = message_class(topic.type)
+        self._make, self._latched, self._is_ending = MessageMaker(kind), topic.latched, is_ending
+        self._sender = rospy.Publisher(
+            topic.name, kind, tcp_nodelay=True, latch=topic.latched, queue_size=topic.queue
+        )
+
+    def is_read(self) -> bool:
+        """Return whether there is a subscriber, or the topic is latched."""
+        return self._latched or self._sender.get_num_connections() > 0
+
+    def __call__(self, message: Any) -> None:
+        """Publish a message."""
+        if not self.is_read():
             return
-        made = make(message)
+        made = self._make(message)
         try:
             try:
-                sender.publish(made)
+                self._sender.publish(made)
             except UnicodeEncodeError:  # a text from outside, such as a third party's codec
-                sender.publish(encodable(made))
+                self._sender.publish(encodable(made))
         except rospy.ROSException:
-            if not is_ending():
+            if not self._is_ending():
                 raise
-
-    return publish

@@ -30,7 +30,7 @@ from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, node_log
 from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal, answer_of
 from end_effector_hal.runtime import Tool
 
-from ._messages import message_class, publisher, response_maker, service_class
+from ._messages import TopicPublisher, message_class, response_maker, service_class
 from ._name_taken import node_name, private_parameter, refuse_taken_name, tool_named
 from .master import MasterWatch
 
@@ -108,9 +108,9 @@ class RosNode:
             rospy.delete_param(f"~{parameter.name}")
         return text
 
-    def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """Return a function that publishes a message on a topic."""
-        return publisher(topic, lambda: self._closing)
+    def publisher(self, topic: Topic) -> TopicPublisher:
+        """Open a topic for messages of this node."""
+        return TopicPublisher(topic, lambda: self._closing)
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Call ``callback`` for every message of a topic."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from end_effector_hal.control import Answer
@@ -73,6 +74,29 @@ class RclpyMessageMaker:
             if (value := getattr(source, name, None)) is not None:
                 setattr(message, name, convert(value))
         return message
+
+
+class RclpyPublisher:
+    """Publishes the messages of a topic; none is made that nobody reads.
+
+    Args:
+        node: a node of rclpy.
+        topic: a topic of the interface table.
+    """
+
+    def __init__(self, node: Node, topic: Topic) -> None:
+        kind = message_class(topic.type)
+        self._make, self._latched = RclpyMessageMaker(kind, node.get_clock()), topic.latched
+        self._sender = node.create_publisher(kind, topic.name, writer_quality(topic))
+
+    def is_read(self) -> bool:
+        """Return whether there is a subscriber, or the topic is latched, and subscribers may yet come."""
+        return self._latched or self._sender.get_subscription_count() > 0
+
+    def __call__(self, message: Any) -> None:
+        """Publish a message."""
+        if self.is_read():
+            self._sender.publish(self._make(message))
 
 
 def response_maker(service: Any) -> Callable[[Answer, Any], Any]:

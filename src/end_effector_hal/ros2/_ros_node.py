@@ -31,13 +31,12 @@ from end_effector_hal.runtime import Tool
 
 from ._actions import RclpyActionClient, RclpyActionServer
 from ._messages import (
-    RclpyMessageMaker,
+    RclpyPublisher,
     has_action_class,
     message_class,
     reader_quality,
     response_maker,
     service_class,
-    writer_quality,
 )
 from ._process import NodeGroup
 
@@ -114,18 +113,9 @@ class RclpyNode:
         """Return a parameter; in ROS 2 it ends with its node, and need not be removed."""
         return self.parameter(parameter)
 
-    def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """Return a function that publishes a message on a topic."""
-        kind = message_class(topic.type)
-        make = RclpyMessageMaker(kind, self._node.get_clock())
-        sender = self._node.create_publisher(kind, topic.name, writer_quality(topic))
-
-        def publish(message: Any) -> None:
-            # a latched one is kept for subscribers that are yet to come
-            if topic.latched or sender.get_subscription_count():
-                sender.publish(make(message))
-
-        return publish
+    def publisher(self, topic: Topic) -> RclpyPublisher:
+        """Open a topic for messages of this node."""
+        return RclpyPublisher(self._node, topic)
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Call ``callback`` for every message of a topic."""

@@ -133,9 +133,9 @@ EDITS = (
         ("test_goals::test_a_grip_while_gripped_is_refused",),
     ),
     Edit(
-        "topics leave their namespace", 2, "ros2/_ros_node.py",
-        "self._node.create_publisher(kind, topic.name,",
-        "self._node.create_publisher(kind, '/' + topic.name.lstrip('/'),",
+        "topics leave their namespace", 2, "ros2/_messages.py",
+        "node.create_publisher(kind, topic.name,",
+        "node.create_publisher(kind, '/' + topic.name.lstrip('/'),",
         ("test_tools::test_every_name_moves_into_the_namespace",),
     ),
     Edit(

@@ -29,7 +29,7 @@ def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.M
 
     from end_effector_hal.nodes._hal_main import Aggregate
     from end_effector_hal.nodes.interface import END_EFFECTOR_STATE
-    from end_effector_hal.ros1._messages import publisher
+    from end_effector_hal.ros1._messages import TopicPublisher
 
     sent: list[Any] = []
 
@@ -48,7 +48,7 @@ def test_a_message_that_cannot_be_encoded_is_sent_repaired(monkeypatch: pytest.M
         Alarm("link.fault", str(number), {"text": text}) for number, text in enumerate(("µ", "\udfff"))
     )
     wrong = status(reason="a\ud800b", alarms=alarms, steps=(StepReport("\ud800", 1, 0.5, confirmed=True),))
-    publish = publisher(END_EFFECTOR_STATE, lambda: False)
+    publish = TopicPublisher(END_EFFECTOR_STATE, lambda: False)
     message = aggregate.message(wrong, {}, 0, count=1, stamp_us=None)
     publish(message)
     (repaired,) = sent

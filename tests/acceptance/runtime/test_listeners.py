@@ -108,6 +108,14 @@ def test_one_that_does_not_return_is_an_alarm_without_any_further_call(
     listening.close(0.0)  # returns all the same
 
 
+def test_an_item_with_the_key_of_the_one_before_is_skipped_unless_the_key_fails(ear: Ear) -> None:
+    listening = Listening(ear, "", lambda: None, lambda number: 12 // number)
+    for number in (12, 7, 6, 12, 0, 0, 12):
+        listening.put(number)
+    listening.close(time.monotonic() + PATIENCE_S)
+    assert ear.heard == [12, 6, 12, 0, 0, 12]
+
+
 def test_a_listener_of_a_program_that_raises_does_not_end_it() -> None:
     """As a node's, or EndEffector's own."""
     tool = Tool()

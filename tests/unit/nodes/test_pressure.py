@@ -9,6 +9,7 @@ import pytest
 
 from end_effector_hal.nodes._pressure import PressureNode
 from end_effector_hal.nodes.interface import DIAGNOSTICS, DIAGNOSTICS_HZ
+from end_effector_hal.sensing import JudgedReadings
 from end_effector_hal.vocabulary import Alarm
 from end_effector_hal.wires import now_us
 from end_effector_hal.wires.link import LinkHealth, LinkState
@@ -47,6 +48,17 @@ def test_a_pressure_that_is_not_known_is_published_once(transport: LoneTransport
     assert [isnan(each.fluid_pressure) for each in bottom] == [False, True]
     transport.hal.reads(bottom=0)
     assert len(bottom) == 3
+
+
+def test_frames_are_skipped_while_no_pressure_is_read(transport: LoneTransport) -> None:
+    (key,) = transport.hal.keys
+    assert key is not None
+    frames = [JudgedReadings(at, {}) for at in (1, 2, 3)]
+    for topic in transport.published.values():
+        topic.read = False
+    assert len({key(frame) for frame in frames}) == 1
+    transport.published["PressureVacuumTop"].read = True
+    assert len({key(frame) for frame in frames}) == 3
 
 
 def test_the_health_is_that_of_the_link_as_the_hal_has_sent_it(

@@ -9,6 +9,7 @@ import pytest
 
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
+from end_effector_hal.errors import ReportedError
 from end_effector_hal.runtime.boundary import STREAMED
 from end_effector_hal.runtime.tool._remote_program import RemoteProgram
 from end_effector_hal.sensing import JudgedReadings
@@ -65,3 +66,17 @@ def test_readings_and_health_are_known_until_the_hal_is_lost(heard: Heard) -> No
     assert lost.ee is EndEffectorState.OFF
     assert lost.alarm("hal.lost")
     assert not heard.program.alive
+
+
+def test_only_records_that_somebody_wants_are_read(heard: Heard) -> None:
+    def send(kind: str, content: object) -> None:
+        heard.program._receive(record_line(kind, 5, content).rstrip())
+
+    send("readings", "what no reader could take")
+    send("step", {})
+    assert heard.readings == []
+    heard.program.want("readings")
+    send("readings", READINGS)
+    assert heard.readings == [READINGS]
+    with pytest.raises(ReportedError, match="A record of the HAL cannot be read"):
+        send("readings", "what no reader could take")

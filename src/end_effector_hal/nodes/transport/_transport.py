@@ -39,6 +39,16 @@ from end_effector_hal.runtime import Tool
 from ._messages import GoalMessage
 
 
+class Publisher(Protocol):
+    """Publishes the messages of one topic (rules 1 and 3)."""
+
+    def __call__(self, message: Any) -> None:
+        """Publish a message."""
+
+    def is_read(self) -> bool:
+        """Return whether a message reaches anyone: there is a subscriber, or the topic is latched."""
+
+
 class ClientGoal(Protocol):
     """A goal that a client has sent; objects for the same goal are equal. Each call returns at once.
 
@@ -116,8 +126,8 @@ class NodeTransport(Protocol):
     def parameter_once(self, parameter: Parameter) -> str:
         """Return a parameter and remove it, so that the next node of this name does not find it."""
 
-    def publisher(self, topic: Topic) -> Callable[[Any], None]:
-        """Return a function that publishes a message on a topic (rules 1 and 3)."""
+    def publisher(self, topic: Topic) -> Publisher:
+        """Open a topic for messages of this node."""
 
     def subscribe(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Call ``callback`` for every message of a topic (rules 2, 4 and 5)."""

@@ -61,9 +61,13 @@ class Listening(Generic[T]):
     def put(self, item: T) -> None:
         """Queue an item for the listener; never waits."""
         if self._key is not None:
-            if (key := self._key(item)) == self._last_key:
-                return
+            try:
+                key, before = self._key(item), self._last_key
+            except Exception:  # noqa: BLE001 it may raise anything
+                key, before = object(), None
             self._last_key = key
+            if key == before:
+                return
         with self._changed:
             if len(self._waiting) >= MOST_WAITING:
                 self._waiting.popleft()

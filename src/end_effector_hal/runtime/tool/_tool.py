@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from abc import abstractmethod
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from end_effector_hal._closing import Closing
@@ -91,12 +91,11 @@ class Tool(Closing):
         listener: Callable[[JudgedReadings], None],
         *,
         name: str = "",
-        channels: Collection[str] | None = None,
+        key: Callable[[JudgedReadings], object] | None = None,
     ) -> None:
         """Call the listener with what the sensors read, after each frame and whenever a reading turns stale; the rules
-        of :meth:`subscribe` apply. ``channels``: only when the value of one of these has changed.
+        of :meth:`subscribe` apply. Readings are skipped that have the same ``key`` as those before; it must not wait.
         """
-        key = None if channels is None else lambda readings: [*map(readings.values.get, channels)]
         self._audience.add(JudgedReadings, listener, name, key)
         self.follow_readings()
 
