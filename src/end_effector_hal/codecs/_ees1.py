@@ -99,22 +99,19 @@ class Ees1Decoder:
         if not self._sequence.is_new(seq, clock):
             self.errors["duplicate"] += 1
             return None
-        values: dict[str, Value] = dict(zip(PRESSURES, map(self._possible, pressures), strict=True))
+        values: dict[str, Value] = dict(zip(PRESSURES, pressures, strict=True))
+        for name, pascal in values.items():
+            if pascal is not None and not LOWEST_PA <= pascal <= HIGHEST_PA:  # no sensor measures it
+                self.errors["range"] += 1
+                values[name] = None
         values |= _LEVELS[din % len(_LEVELS)]
         return Frame(at, seq, clock, values)
-
-    def _possible(self, pascal: int | None) -> int | None:
-        """Return the pressure; None if it is outside the range of any sensor (it is counted)."""
-        if pascal is None or LOWEST_PA <= pascal <= HIGHEST_PA:
-            return pascal
-        self.errors["range"] += 1
-        return None
 
 
 ASCII_LONGEST = 96
 _LINE = re.compile(
-    rb"\$(?P<body>EES1,([0-9]{1,5}),([0-9]{1,10})" + rb",(-?[0-9]{1,7})?" * 4 + rb",([0-9A-Fa-f]{2})"
-    rb",([0-9A-Fa-f]{2}))\*(?P<crc>[0-9A-Fa-f]{4})\r\n"
+    rb"\$(EES1,([0-9]{1,5}),([0-9]{1,10})" + rb",(-?[0-9]{1,7})?" * 4 + rb",([0-9A-Fa-f]{2})"
+    rb",([0-9A-Fa-f]{2}))\*([0-9A-Fa-f]{4})\r\n"
 )
 
 
@@ -147,7 +144,7 @@ class Ees1AsciiDecoder(Ees1Decoder):
         self.bytes += len(data)
         *lines, rest = (self._rest + data).split(b"\n")
         frames = [frame for line in lines if (frame := self._line(line + b"\n", at))]
-        self._rest = self._from_dollar(rest)
+        self._rest = self._from_dollar(rest) if rest else b""
         if len(self._rest) > ASCII_LONGEST:
             self.errors["noise"] += len(self._rest)
             self._rest = b""
@@ -163,17 +160,18 @@ class Ees1AsciiDecoder(Ees1Decoder):
         return line[noise:]
 
     def _line(self, line: bytes, at: int) -> Frame | None:
-        line = self._from_dollar(line)
-        if not line:
-            return None
         match = _LINE.fullmatch(line)
+        if match is None:  # noise before it, or no frame
+            line = self._from_dollar(line)
+            match = _LINE.fullmatch(line)
         if match is None:
-            self.errors["format"] += 1
+            if line:
+                self.errors["format"] += 1
             return None
-        if int(match["crc"], 16) != crc_hqx(match["body"], 0xFFFF):
+        body, seq, clock, *texts, din, status, crc = match.groups()
+        if int(crc, 16) != crc_hqx(body, 0xFFFF):
             self.errors["crc"] += 1
             return None
-        _, seq, clock, *texts, din, status, _ = match.groups()
         if int(seq) >= 1 << SEQ_BITS or int(clock) >= 1 << CLOCK_BITS:
             self.errors["range"] += 1
             return None

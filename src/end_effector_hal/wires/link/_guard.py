@@ -50,7 +50,9 @@ class ArrivalWatch:
 
     def __init__(self, period_us: int, *, declared: bool, asked: bool) -> None:
         self._period_us, self._declared, self._asked = period_us, declared, asked
-        self._since, self._frames, self._came = -1, 0, Counter[str]()
+        self._window_us = max(WINDOW_US, PERIODS * period_us)
+        self._since, self._frames = -1, 0
+        self._came: dict[tuple[str, ...], int] = {}  # frames by their valid channels
         self._few, self._lossy = frozenset[str](), frozenset[str]()
         self.text = ""
         """The present loss, as a sentence that stays as it was at the start of the alarm; empty: no loss."""
@@ -60,21 +62,25 @@ class ArrivalWatch:
         span_us = frame.at - self._since
         if self._since >= 0:
             self._frames += 1
-            self._came.update([name for name, value in frame.values.items() if value is not None])
-            if span_us < max(WINDOW_US, PERIODS * self._period_us):
+            valid = tuple(frame.values)
+            if None in frame.values.values():
+                valid = tuple([name for name in valid if frame.values[name] is not None])
+            self._came[valid] = self._came.get(valid, 0) + 1
+            if span_us < self._window_us:
                 return
             self._judge(span_us)
-        self._since, self._frames, self._came = frame.at, 0, Counter()
+        self._since, self._frames, self._came = frame.at, 0, {}
 
     def _judge(self, span_us: int) -> None:
         expected = self._frames if self._asked else span_us / self._period_us
-        few = frozenset(name for name, count in self._came.items() if count < LEAST * expected)
+        came = Counter(name for valid, count in self._came.items() for name in valid * count)
+        few = frozenset(name for name, count in came.items() if count < LEAST * expected)
         before, self._lossy, self._few = self._lossy, few & self._few, few
         if self._lossy == before:
             return
         each_ms, names = round(span_us / self._frames / 1000), ", ".join(sorted(self._lossy))
         self.text = names and f"More than a third of the samples of {names} are lost: is a wire loose?"
-        if names and not self._asked and self._lossy >= self._came.keys():
+        if names and not self._asked and self._lossy >= came.keys():
             fits = f": set period_ms: {each_ms}" if self._declared and each_ms <= LONGEST_MS else ""
             expected_ms = f"{self._period_us / 1000:g} ms"
             self.text = (
@@ -187,7 +193,10 @@ class GuardedDecoder:
         """
         at = now_us()
         if self._ours:
-            frames = self._calls.run("feed()", lambda: list(self._decoder.feed(data, at)))
+            try:
+                frames = self._decoder.feed(data, at)
+            except Exception as error:
+                raise self._calls.failure(f"feed() raised {named(error)}") from error
             for frame in frames:
                 self._arrivals.take(frame)
             self.faults = (self._arrivals.text,) if self._arrivals.text else ()
