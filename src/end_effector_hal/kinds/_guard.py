@@ -139,14 +139,13 @@ class GuardedWatch(_Judge):
 
         self.secure = self._ask("sample()", sampled, False)
 
-    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
-        """Yield the findings of the watch, as far as they are valid."""
+    def findings(self, since: int, at: int) -> list[HoldFinding]:
+        """Return the findings of the watch, as far as they are valid."""
 
         def found(watch: HoldWatch) -> list[HoldFinding]:
             return [_finding(each) for each in islice(watch.findings(since, at), MOST_SAID)]
 
-        nothing: list[HoldFinding] = []
-        yield from self._ask("findings()", found, nothing)
+        return self._ask("findings()", found, [])
 
     def dropped(self) -> None:
         """Notify the watch that nothing is held any more."""

@@ -36,10 +36,10 @@ class DeviceKind(Generic[Stanza]):
        a stanza that inherits `Output` and has ``gap_s``: it is never active together with ``line`` (IL-08). If that
        stanza has ``duration_s`` and ``until_gone``, a release activates the output, which blows the part off.
     3. **Channels.** ``channels`` are the keys that name channels. At least one of these channels confirms.
-    4. **Evidence.** ``detector`` judges readings: CONFIRMED (the actuator grips), GONE (it is released), PARTIAL
-       (neither is proven), UNKNOWN (no fresh, valid reading of a channel that decides). Nothing is confirmed without a
-       reading. A kind whose evidence can be written as conditions returns them from ``preset`` and needs no detector
-       of its own. A detector lists every attribute that changes in ``MEMORY``, which traces and replay use.
+    4. **Evidence.** ``detector`` judges ``readings.fresh``: CONFIRMED (the actuator grips), GONE (it is released),
+       PARTIAL (neither is proven), UNKNOWN (no fresh, valid reading of a channel that decides). Nothing is confirmed
+       without a reading. A kind whose evidence can be written as conditions returns them from ``preset`` and needs no
+       detector of its own. A detector lists every attribute that changes in ``MEMORY``, which traces and replay use.
        ``evidence`` in a description takes precedence over both.
     5. **Plausible.** ``plausible`` is the range of its pressure; a reading outside of it is invalid.
     6. **Margin.** ``margin_pa`` is the distance of its pressure from the threshold that matters, positive on the right

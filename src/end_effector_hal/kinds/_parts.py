@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
 
@@ -37,7 +37,10 @@ class Detector(Protocol):
     MEMORY: ClassVar[dict[str, Any]]
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
-        """Return the evidence at ``at`` µs, after a frame or after readings became stale by time alone."""
+        """Return the evidence of ``readings.fresh``, the values at ``at`` µs.
+
+        It is called after a frame, or after readings became stale by time alone.
+        """
         ...
 
 
@@ -66,8 +69,8 @@ class HoldWatch(Protocol):
         """Process the newest readings, at ``at`` µs."""
         ...
 
-    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
-        """Yield the findings about the actuator, which is confirmed and has been held since ``since`` µs."""
+    def findings(self, since: int, at: int) -> Iterable[HoldFinding]:
+        """Return the findings about the actuator, which is confirmed and has been held since ``since`` µs."""
         ...
 
     def dropped(self) -> None:

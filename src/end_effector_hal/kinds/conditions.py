@@ -21,17 +21,8 @@ from end_effector_hal.signals import (
 )
 from end_effector_hal.vocabulary import Evidence
 
-_Asked = Callable[["_Sample"], bool | None]
-
-
-class _Sample:
-    """The input of a condition: the readings at one time, and the streaks of the parts that must last."""
-
-    __slots__ = ("at", "readings", "seen", "streaks")
-
-    def __init__(self, readings: ChannelReadings, at: int, seen: list[int], streaks: list[Streak]) -> None:
-        self.readings, self.at = readings, at
-        self.seen, self.streaks = seen, streaks
+_Asked = Callable[[ChannelReadings, int, "ConditionJudge"], bool | None]
+"""A condition as a function of the readings, their time (µs), and the judge with the streaks of its parts."""
 
 
 class ConditionJudge:
@@ -41,22 +32,22 @@ class ConditionJudge:
     stale and so unknown; it never makes a condition hold.
     """
 
-    MEMORY: ClassVar = {"_streaks": NESTED, "_seen": list[int]}
+    MEMORY: ClassVar = {"streaks": NESTED, "seen": list[int]}
 
     def __init__(self, condition: Condition) -> None:
         numbers = count()
         self._asked = _compiled(condition, numbers)
-        self._streaks = [Streak() for _ in range(next(numbers))]
-        self._seen = [0] * len(self._streaks)
+        self.streaks = [Streak() for _ in range(next(numbers))]
+        self.seen = [0] * len(self.streaks)
 
     def sample(self, readings: ChannelReadings, at: int) -> bool | None:
         """Return whether the condition holds at ``at`` µs; None: unknown."""
-        return self._asked(_Sample(readings, at, self._seen, self._streaks))
+        return self._asked(readings, at, self)
 
     def forget(self) -> None:
         """Reset the duration of every part."""
-        for streak, seen_at in zip(self._streaks, self._seen, strict=True):
-            streak.take(False, seen_at)
+        for streak in self.streaks:
+            streak.samples = 0
 
 
 def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
@@ -66,14 +57,17 @@ def _compiled(this: Condition, numbers: Iterator[int]) -> _Asked:
         return at_once
     index, samples, us, channels = next(numbers), this.samples, this.for_ms * 1000, this.channels
 
-    def lasts(sample: _Sample) -> bool | None:
-        value, streak = at_once(sample), sample.streaks[index]
-        arrived = not sample.readings.arrived.isdisjoint(channels)
-        if arrived:
-            sample.seen[index] = sample.at
-        if arrived or value is None:
-            streak.take(value is True, sample.at)
-        return None if value is None else streak.samples >= samples and streak.lasted(sample.seen[index], us)
+    def lasts(readings: ChannelReadings, at: int, judge: ConditionJudge) -> bool | None:
+        value, streak = at_once(readings, at, judge), judge.streaks[index]
+        if not readings.arrived.isdisjoint(channels):
+            judge.seen[index] = at
+        elif value is not None:
+            return streak.samples >= samples and streak.lasted(judge.seen[index], us)
+        if value is True:
+            streak.take(True, at)
+            return streak.samples >= samples and streak.lasted(at, us)
+        streak.samples = 0
+        return value
 
     return lasts
 
@@ -85,11 +79,11 @@ def _joined(this: Condition, parts: list[_Asked]) -> _Asked:
     """
     if this.not_ is not None:
         (part,) = parts
-        return lambda sample: None if (value := part(sample)) is None else not value
+        return lambda *sample: None if (value := part(*sample)) is None else not value
     decides = not this.all  # true decides `any`, false decides `all`
 
-    def joined(sample: _Sample) -> bool | None:
-        values = [part(sample) for part in parts]
+    def joined(readings: ChannelReadings, at: int, judge: ConditionJudge) -> bool | None:
+        values = [part(readings, at, judge) for part in parts]
         return decides if decides in values else None if None in values else not decides
 
     return joined
@@ -98,14 +92,12 @@ def _joined(this: Condition, parts: list[_Asked]) -> _Asked:
 def _read(this: Condition) -> _Asked:
     channel = this.on or this.channel
     if this.on is not None:
-        return lambda sample: (
-            None if (value := sample.readings.get(channel, sample.at)) is None else bool(value)
-        )
+        return lambda readings, *_: None if (value := readings.fresh.get(channel)) is None else bool(value)
     low, high = this.span
     closed = this.between_kpa is not None or this.between is not None
 
-    def passes(sample: _Sample) -> bool | None:
-        value = sample.readings.get(channel, sample.at)
+    def passes(readings: ChannelReadings, at: int, judge: ConditionJudge) -> bool | None:
+        value = readings.fresh.get(channel)
         if value is None or isinstance(value, bool):
             return None  # a bit has no thresholds
         measured = value / 1000  # kPa of Pa, or units of thousandths
@@ -152,8 +144,11 @@ class ConditionDetector:
         """Return the evidence after one more sample at ``at`` µs."""
         shown = {name: judge.sample(readings, at) for name, judge in self._judges.items()}
         self.contradicts = shown["contradiction"] is True
-        self._contradiction.take(self.contradicts, at)
-        self.broken = self._contradiction.lasted(at, FAULT_US)
+        if self.contradicts:
+            self._contradiction.take(True, at)
+            self.broken = self._contradiction.lasted(at, FAULT_US)
+        else:
+            self._contradiction.samples, self.broken = 0, False
         self.empty = shown.get("empty") is True and not self.contradicts
         if self.contradicts:
             for name, judge in self._judges.items():

@@ -31,6 +31,8 @@ class FixedReadings:
 
     def __init__(self, values: Mapping[str, Value]) -> None:
         self.values = values
+        self.fresh = {name: value for name, value in values.items() if value is not None}
+        self.arrived = frozenset(self.fresh)
 
     @property
     def carried(self) -> Mapping[str, Kind]:
@@ -38,11 +40,7 @@ class FixedReadings:
         return {name: Kind.BIT if bit else Kind.PRESSURE for name, bit in bits.items()}
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
-        return None if channel is None else self.values.get(channel)
-
-    @property
-    def arrived(self) -> frozenset[str]:
-        return frozenset(channel for channel, value in self.values.items() if value is not None)
+        return None if channel is None else self.fresh.get(channel)
 
 
 class KindConformance:

@@ -64,25 +64,35 @@ class CylinderDetector:
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """Return the evidence after one more sample at ``at`` µs."""
-        actuator = self._actuator
-        pressure = readings.get(actuator.channel, at)
-        extended = readings.get(actuator.extended_bit, at)
-        retracted = readings.get(actuator.retracted_bit, at)
+        actuator, high, low, read = self._actuator, self._high, self._low, readings.fresh.get
+        pressure = read(actuator.channel)
+        extended, retracted = read(actuator.extended_bit), read(actuator.retracted_bit)
         lacking = pressure is None and (
             actuator.channel in readings.carried or (extended is None and retracted is None)
         )
         if lacking and not extended:
             return self.expire()
         if pressure is not None and actuator.channel in readings.arrived:
-            self._high.take(pressure >= self._threshold_pa(readings, at), at)
-            self._low.take(pressure < actuator.retracted_kpa * 1000, at)
-        if extended or self._high.lasted(at, self._extended_us):
+            for streak, holds in (
+                (high, pressure >= self._threshold_pa(readings)),
+                (low, pressure < actuator.retracted_kpa * 1000),
+            ):
+                if holds:
+                    streak.take(True, at)
+                else:
+                    streak.samples = 0
+        if extended or (high.samples and high.lasted(at, self._extended_us)):
             self._held = True
             self.level = Evidence.CONFIRMED
-        elif not (self._held and self._high.samples):
+        elif not (self._held and high.samples):
             # what was confirmed and still stands at its pressure is not lost: it is being confirmed again
             self._held = False
-            gone = self._is_retracted(readings, pressure, extended, retracted, at)
+            if pressure is not None:
+                gone = low.lasted(at, self._retracted_us)
+            elif retracted is None:  # a bit that is carried would say so, and does not
+                gone = not extended and actuator.retracted_bit not in readings.carried
+            else:
+                gone = bool(retracted)
             self.level = Evidence.GONE if gone else Evidence.PARTIAL
         return self.level
 
@@ -92,22 +102,8 @@ class CylinderDetector:
         self.level = Evidence.UNKNOWN
         return self.level
 
-    def _is_retracted(
-        self,
-        readings: ChannelReadings,
-        pressure: int | None,
-        extended: int | None,
-        retracted: int | None,
-        at: int,
-    ) -> bool:
-        if pressure is not None:
-            return self._low.lasted(at, self._retracted_us)
-        if retracted is None and self._actuator.retracted_bit in readings.carried:
-            return False  # it would say so, and does not
-        return bool(retracted) if retracted is not None else not extended
-
-    def _threshold_pa(self, readings: ChannelReadings, at: int) -> float:
-        supply_pa = self._supply.pressure_pa(readings.get(self._supply.channel, at))
+    def _threshold_pa(self, readings: ChannelReadings) -> float:
+        supply_pa = self._supply.pressure_pa(readings.fresh.get(self._supply.channel))
         # 85 % of no air at all is nothing: with less than a grip needs, the pressure of a rod at rest is no proof
         supply_pa = max(supply_pa, self._supply.refuse_kpa * 1000)
         # a little lower once extended: noise at the threshold is no loss

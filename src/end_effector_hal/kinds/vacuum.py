@@ -7,7 +7,7 @@ for a weak grip and for a leak.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import ClassVar, Literal
 
 from pydantic import Field
@@ -96,21 +96,22 @@ class VacuumDetector:
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """Return the evidence after one more sample at ``at`` µs."""
-        value = readings.get(self._actuator.channel, at)
+        actuator, above, below = self._actuator, self._above, self._below
+        value = readings.fresh.get(actuator.channel)
         if value is None:
             return self.expire()
-        if self._actuator.channel not in readings.arrived:
+        if actuator.channel not in readings.arrived:
             return self.level
-        actuator = self._actuator
-        kpa = below_ambient_kpa(value)
-        self._above.take(kpa >= (actuator.lost_kpa if self._held else actuator.confirmed_kpa), at)
-        self._below.take(kpa < actuator.lost_kpa, at)
+        kpa = -value / 1000 if type(value) is int else below_ambient_kpa(value)
+        least_kpa = actuator.lost_kpa if self._held else actuator.confirmed_kpa
+        above.samples = above.samples + 1 if kpa >= least_kpa else 0
+        below.samples = below.samples + 1 if kpa < actuator.lost_kpa else 0
         if self._held:
-            if kpa < actuator.lost_at_once_kpa or self._below.samples >= actuator.lost_samples:
+            if kpa < actuator.lost_at_once_kpa or below.samples >= actuator.lost_samples:
                 self._held = False
-            elif self._above.samples >= actuator.confirmed_samples:
+            elif above.samples >= actuator.confirmed_samples:
                 self.level = Evidence.CONFIRMED
-        elif self._above.samples >= actuator.confirmed_samples:
+        elif above.samples >= actuator.confirmed_samples:
             self._held = True
             self.level = Evidence.CONFIRMED
         if not self._held:
@@ -124,39 +125,6 @@ class VacuumDetector:
         return self.level
 
 
-class SecureDetector:
-    """Judges whether a grip is secure: from ``secure_kpa`` on, until the hysteresis is used up.
-
-    A single sample decides nothing.
-    """
-
-    MEMORY: ClassVar = {"_high": NESTED, "_low": NESTED, "secure": bool}
-
-    def __init__(self, actuator: VacuumActuator) -> None:
-        self._actuator = actuator
-        self.least_kpa = actuator.secure_kpa - actuator.secure_hysteresis_kpa
-        """Limit below which a grip is no longer secure, kPa below ambient."""
-        self._high, self._low = Streak(), Streak()
-        self.secure = False
-
-    def sample(self, kpa: float, at: int) -> bool:
-        """Return whether the grip is secure after one more sample, kPa below ambient, at ``at`` µs."""
-        self._high.take(kpa >= self._actuator.secure_kpa, at)
-        self._low.take(kpa < self.least_kpa, at)
-        if self._high.samples >= self._actuator.confirmed_samples:
-            self.secure = True
-        elif self._low.samples >= self._actuator.lost_samples:
-            self.secure = False
-        return self.secure
-
-    def expire(self) -> None:
-        """Restart the counts, because no fresh reading is available.
-
-        The last judgement stays until new samples change it.
-        """
-        self._high, self._low = Streak(), Streak()
-
-
 LASTS = 0.25
 """Share of the trend window for which a leak must be seen before it is reported."""
 RELIEF = 1.5
@@ -164,10 +132,16 @@ RELIEF = 1.5
 
 
 class VacuumWatch:
-    """Watches one vacuum circuit; one with a bit instead of a pressure is secure while the bit is on."""
+    """Watches one vacuum circuit.
+
+    A grip is secure from ``secure_kpa`` on, until the hysteresis is used up; a single sample decides nothing. With a
+    bit instead of a pressure it is secure while the bit is on.
+    """
 
     MEMORY: ClassVar = {
-        "_detector": NESTED,
+        "_high": NESTED,
+        "_low": NESTED,
+        "_was_deep": bool,
         "trend": NESTED,
         "leaks": NESTED,
         "keeps": NESTED,
@@ -179,7 +153,10 @@ class VacuumWatch:
 
     def __init__(self, actuator: VacuumActuator, hold: Hold, period_us: int) -> None:
         self._actuator, self._hold = actuator, hold
-        self._detector = SecureDetector(actuator)
+        self.least_kpa = actuator.secure_kpa - actuator.secure_hysteresis_kpa
+        """Limit below which a grip is no longer secure, kPa below ambient."""
+        self._high, self._low = Streak(), Streak()
+        self._was_deep = False  # before a silence as well: only new samples change it
         self.trend = Trend(to_us(hold.trend_s), period_us)
         self.leaks, self.keeps = Streak(), Streak()
         self.kpa: float | None = None
@@ -187,24 +164,33 @@ class VacuumWatch:
 
     def sample(self, readings: ChannelReadings, at: int, *, held: bool) -> None:
         """Process the newest reading, at ``at`` µs."""
-        value = readings.get(self._actuator.channel, at)
+        actuator, high, low, trend = self._actuator, self._high, self._low, self.trend
+        value = readings.fresh.get(actuator.channel)
         if value is None or isinstance(value, bool):
             self._expire()
             self.secure = value is True
-        elif self._actuator.channel in readings.arrived:
-            self.kpa = -value / 1000
-            self.secure = self._detector.sample(self.kpa, at)
+        elif actuator.channel in readings.arrived:
+            self.kpa = kpa = -value / 1000
+            high.samples = high.samples + 1 if kpa >= actuator.secure_kpa else 0
+            low.samples = low.samples + 1 if kpa < self.least_kpa else 0
+            if high.samples >= actuator.confirmed_samples:
+                self._was_deep = True
+            elif low.samples >= actuator.lost_samples:
+                self._was_deep = False
+            self.secure = self._was_deep
             if held:
-                self.judged = self.trend.take(self.kpa, at)
+                self.judged = trend.take(kpa, at)
             else:
                 self.was_secure = False
-                self.trend.clear()
+                if trend.points or trend.samples:
+                    trend.clear()
 
-    def findings(self, since: int, at: int) -> Iterator[HoldFinding]:
-        """Yield findings about a weak grip and a leak, both while present and when ended."""
-        if self.kpa is not None:
-            yield from self._weak(self.kpa, since, at)
-            yield from self._leak(self.kpa, at)
+    def findings(self, since: int, at: int) -> Iterable[HoldFinding]:
+        """Return findings about a weak grip and a leak, both while present and when ended."""
+        if self.kpa is None:
+            return ()
+        leak = self._leak(self.kpa, at) if self.judged else None
+        return filter(None, (self._weak(self.kpa, since, at), leak))
 
     @property
     def leak_kpa_s(self) -> float | None:
@@ -222,35 +208,32 @@ class VacuumWatch:
 
     def _expire(self) -> None:
         self.kpa, self.judged = None, False
-        self._detector.expire()
+        self._high, self._low = Streak(), Streak()
         self.trend.clear()
         self.leaks, self.keeps = Streak(), Streak()
 
-    def _weak(self, kpa: float, since: int, at: int) -> Iterator[HoldFinding]:
+    def _weak(self, kpa: float, since: int, at: int) -> HoldFinding | None:
         within_s = self._hold.secure_within_s
         if self.secure:
             self.was_secure = True
-            yield HoldFinding(WEAK, {"kpa": kpa}, over=True)
-        elif self.was_secure:
-            yield HoldFinding(WEAK, {"kpa": kpa, "least_kpa": self._detector.least_kpa})
-        elif at - since >= to_us(within_s):
-            values = {"kpa": kpa, "secure_kpa": self._actuator.secure_kpa, "within_s": within_s}
-            yield HoldFinding(WEAK, values)
+            return HoldFinding(WEAK, {"kpa": kpa}, over=True)
+        if self.was_secure:
+            return HoldFinding(WEAK, {"kpa": kpa, "least_kpa": self.least_kpa})
+        if at - since < to_us(within_s):
+            return None
+        return HoldFinding(WEAK, {"kpa": kpa, "secure_kpa": self._actuator.secure_kpa, "within_s": within_s})
 
-    def _leak(self, kpa: float, at: int) -> Iterator[HoldFinding]:
-        if not self.judged:
-            return
+    def _leak(self, kpa: float, at: int) -> HoldFinding | None:
         hold, lost_kpa = self._hold, self._actuator.lost_kpa
         left_s = self.trend.falls_by(kpa - lost_kpa)
         self.leaks.take(left_s is not None and left_s < hold.warn_ahead_s, at)
         self.keeps.take(left_s is None or left_s >= RELIEF * hold.warn_ahead_s, at)
         if self.keeps.lasted(at, to_us(hold.trend_s)):
-            yield HoldFinding(LEAK, {"kpa": kpa}, over=True)
-        elif (falls := self.trend.falls) and left_s is not None and self._believed(at):
-            yield HoldFinding(LEAK, {"falls": falls, "kpa": kpa, "lost_kpa": lost_kpa, "left_s": left_s})
-
-    def _believed(self, at: int) -> bool:
-        return self.leaks.lasted(at, to_us(LASTS * self._hold.trend_s))
+            return HoldFinding(LEAK, {"kpa": kpa}, over=True)
+        if left_s is None or not self.leaks.lasted(at, to_us(LASTS * hold.trend_s)):
+            return None
+        falls = self.trend.falls or 0.0
+        return HoldFinding(LEAK, {"falls": falls, "kpa": kpa, "lost_kpa": lost_kpa, "left_s": left_s})
 
 
 class VacuumState(TableState):

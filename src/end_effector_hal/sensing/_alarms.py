@@ -9,6 +9,7 @@ from typing import ClassVar
 from end_effector_hal.vocabulary import Alarm
 
 DEVICE_ALARMS = ("device.error", "device.warning")
+FAILED = "kind.failed"
 
 
 class AlarmLog:
@@ -56,8 +57,8 @@ class AlarmLog:
         self.listed = tuple([each for each in self.listed if not each.over])
 
     def clear(self) -> None:
-        """Remove the alarms about the part, because nothing is held now. The faults of devices stay."""
-        self.listed = tuple([each for each in self.listed if each.id in DEVICE_ALARMS])
+        """Remove the alarms about the part, because nothing is held now. Faults of devices and plug-ins stay."""
+        self.listed = tuple([each for each in self.listed if each.id in (*DEVICE_ALARMS, FAILED)])
 
     def _known(self, id_: str, about: str) -> Alarm | None:
         for each in self.listed:

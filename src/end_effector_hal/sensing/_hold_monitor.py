@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from operator import attrgetter
 from typing import ClassVar
 
@@ -12,7 +12,7 @@ from end_effector_hal.kinds import HoldFinding, HoldWatch, fault_of, is_guarded,
 from end_effector_hal.signals import NESTED, ChannelReadings
 from end_effector_hal.vocabulary import LEAK, Alarm, Evidence
 
-from ._alarms import DEVICE_ALARMS, AlarmLog
+from ._alarms import DEVICE_ALARMS, FAILED, AlarmLog
 from ._device_faults import refuses
 from ._sensor_set import SensorSet, why_invalid
 
@@ -67,25 +67,16 @@ class HoldMonitor:
     @property
     def alarms(self) -> tuple[Alarm, ...]:
         """All alarms; a plug-in watch that has failed remains an alarm."""
-        return (*self._log.listed, *self._faults()) if self._guarded else self._log.listed
-
-    def _faults(self) -> Iterator[Alarm]:
-        for name, watch in self._guarded:
-            if fault := fault_of(watch):
-                yield Alarm("kind.failed", name, {"what": "watched", "why": fault})
+        return self._log.listed
 
     @property
     def secure(self) -> bool:
         """Whether every actuator is confirmed by a fresh reading, and secure where its kind has a watch."""
-        return self._senses.now.confirmed and self._watched_secure
+        return self._senses.now.confirmed and all(map(_SECURE, self._watches.values()))
 
     def watch_over(self, index: int) -> HoldWatch | None:
         """Return the watch over an actuator, by its position in the sequence; None: it has none."""
         return self._watches.get(index)
-
-    @property
-    def _watched_secure(self) -> bool:
-        return all(map(_SECURE, self._watches.values()))
 
     @property
     def allows_lift(self) -> bool:
@@ -100,26 +91,32 @@ class HoldMonitor:
             held: whether a part is held.
             readings: readings of a sample that the detectors skip because it changes nothing for them.
         """
-        now, was_secure, told = self._senses.now, self._watched_secure, self.alarms
-        for watch in self._watches.values():
+        now, log = self._senses.now, self._log
+        watches = self._of_parts[now.part]
+        was_secure = all(map(_SECURE, watches.values()))
+        listed = log.listed
+        for watch in watches.values():
             watch.sample(readings or now.readings, at, held=self._since is not None)
         if not held:
             self._since = None
         else:
             self._since = at if self._since is None else self._since
-            if Evidence.UNKNOWN in now.evidence or self._log.active("evidence.unread"):
+            if Evidence.UNKNOWN in now.evidence or (listed and log.active("evidence.unread")):
                 for index, name in enumerate(self._names):
                     if now.used[index]:
                         self._readable(index, name, at)
-            for index, watch in self._watches.items():
+            for index, watch in watches.items():
                 if now.evidence[index] is Evidence.CONFIRMED:
-                    name = self._names[index]
-                    self._log_findings(name, watch.findings(self._since, at), at)
-            self._supply(at)
+                    self._log_findings(self._names[index], watch.findings(self._since, at), at)
+            if now.supply.low or listed:
+                self._supply(at)
         if self._devices:
             self._device_faults(at)
-        newly_secure = now.confirmed and self._watched_secure is not was_secure
-        return newly_secure or self.alarms != told
+        for name, each in self._guarded:
+            if fault := fault_of(each):
+                log.raise_(Alarm(FAILED, name, {"what": "watched", "why": fault}, at))
+        newly_secure = all(map(_SECURE, watches.values())) is not was_secure and now.confirmed
+        return newly_secure or log.listed != listed
 
     def tool(self, loose: str, at: int) -> bool:
         """Update why the tool of a held part is not proven locked (IL-05), a clause; empty: it is.
@@ -155,10 +152,10 @@ class HoldMonitor:
 
     def _log_findings(self, name: str, findings: Iterable[HoldFinding], at: int) -> None:
         for finding in findings:
-            if finding.over:
-                self._log.end(finding.id, name, finding.values)
-            else:
+            if not finding.over:
                 self._log.raise_(Alarm(finding.id, name, finding.values, at))
+            elif self._log.listed:
+                self._log.end(finding.id, name, finding.values)
 
     def _device_faults(self, at: int) -> None:
         """Begin the alarms of present faults; end those whose channel has a fresh reading without it."""
@@ -188,8 +185,6 @@ class HoldMonitor:
 
     def _supply(self, at: int) -> None:
         supply = self._senses.now.supply
-        if not supply.low and not self._log.active("supply.low"):
-            return
         if supply.low and supply.kpa is not None:
             values = {"warn_kpa": self._description.supply.warn_kpa, "kpa": supply.kpa}
             self._log.raise_(Alarm("supply.low", "", values, at))

@@ -134,16 +134,19 @@ class Predicates:
     def said(self, at: int) -> dict[str, bool]:
         """Return the wanted predicates at ``at`` µs, by name, from what the sensors have shown until then."""
         now = self._senses.now
-        all_said = {
+        said = {
             LOCKED: now.tool is ToolEvidence.LOCKED,
-            PRESENT: bool(now.readings.get(self._present, at)) and now.tool is not ToolEvidence.ABSENT,
             NOTHING_GRIPPED: now.nothing_gripped,
             PARKED: now.in_stand,
         }
+        if PRESENT in self._wanted:
+            said[PRESENT] = bool(now.readings.get(self._present, at)) and now.tool is not ToolEvidence.ABSENT
         # that nothing was read is no news of an open one, which would be latched
         if (closed := now.readings.get(self._e_stop, at)) is not None:
-            all_said[E_STOP_CLOSED] = bool(closed)
+            said[E_STOP_CLOSED] = bool(closed)
         for word, latching in ((NO_FAULT, False), (NO_LATCHED_FAULT, True)) if now.faults.channels else ():
             well = now.faults.well(now.readings, at, latching=latching)
-            all_said |= {word + channel: holds for channel, holds in well.items()}
-        return {name: holds for name, holds in all_said.items() if name in self._wanted}
+            said |= {word + channel: holds for channel, holds in well.items()}
+        for name in said.keys() - self._wanted:
+            del said[name]
+        return said

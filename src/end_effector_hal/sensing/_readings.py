@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from end_effector_hal.codecs import Carrier, FrameSource, sources_of
 from end_effector_hal.description import Description, ToolChanger, measures_of
@@ -93,6 +93,8 @@ class Readings:
         """Time of the last frame with an invalid value, by channels that have had no valid value since."""
         self._heard: dict[str, int] = {}
         """Time of the last frame, by the numbers of several sources."""
+        self.fresh: Mapping[str, int | bool] = {}
+        """The values at the time that is judged."""
         self.last_frame = -self.down_us
         """Latest stamp of a frame, µs; before the first one it lies so far in the past that all sources are down."""
         self.arrived: frozenset[str] = frozenset()
@@ -110,8 +112,10 @@ class Readings:
         self.last_frame = max(frame.at, self.last_frame)
         if len(self._sources) > 1 and (number := self._numbers.get(next(iter(frame.values), ""))):
             self._heard = {**self._heard, number: frame.at}
-        valid = {channel: value for channel, value in frame.values.items() if value is not None}
-        self._values.update(valid)
+        valid: Mapping[str, Any] = frame.values
+        if None in valid.values():
+            valid = {channel: value for channel, value in valid.items() if value is not None}
+        self._values = {**self._values, **valid}
         self.read_at = {**self.read_at, **dict.fromkeys(valid, frame.at)}  # another one: so `_ends` are new
         self.arrived = frozenset(valid)
         if self._invalid or len(valid) < len(frame.values):
@@ -128,8 +132,14 @@ class Readings:
     def forget(self, channel: str) -> None:
         """Discard the reading of a channel."""
         if channel in self._values:
-            del self._values[channel]
+            self._values = {name: value for name, value in self._values.items() if name != channel}
             self.read_at = {name: at for name, at in self.read_at.items() if name != channel}
+
+    def look(self, at: int) -> None:
+        """Determine the fresh values at ``at`` µs."""
+        self.fresh = self._values
+        if at - min(self.read_at.values(), default=at) >= self._least_stale_us:
+            self.fresh = {name: value for name in self._values if (value := self.get(name, at)) is not None}
 
     def idle(self) -> None:
         """Mark that time has passed without a frame: the stored values are no new samples."""
@@ -157,11 +167,15 @@ class Readings:
         """Return the time for which a reading of a channel is valid, µs."""
         return self._stale_us.get(channel, self.stale_us)
 
-    def stale_after(self, frame: Frame) -> int:
-        """Return how long the values of a frame are valid, µs; of several sources the shortest time."""
-        if len(self._sources) == 1:
-            return self.stale_us
-        return min([self.stale_after_us(channel) for channel in frame.values], default=self.stale_us)
+    def origin(self, frame: Frame) -> tuple[str, int]:
+        """Return the source of a frame, by its channels, and how long the values of the frame are valid, µs.
+
+        The stamps of one source must be in order. The values of several sources are valid for the shortest time.
+        """
+        stale_us, source = self.stale_us, self._names.get(next(iter(frame.values), ""), "")
+        if len(self._sources) > 1:
+            stale_us = min([self.stale_after_us(channel) for channel in frame.values], default=stale_us)
+        return source, stale_us
 
     def stale(self, at: int) -> tuple[str, ...]:
         """Return the carried channels without a valid reading now."""
@@ -175,10 +189,6 @@ class Readings:
                 if channel not in read_at or at - read_at[channel] >= spans[channel]
             ]
         )
-
-    def source_of(self, frame: Frame) -> str:
-        """Return the source of a frame, by its channels: the stamps of one source must be in order."""
-        return self._names.get(next(iter(frame.values), ""), "")
 
     def link_up(self, at: int) -> bool:
         """Return whether every source has sent a frame within the time after which it is down.

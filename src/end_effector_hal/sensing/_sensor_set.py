@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from operator import itemgetter
 from typing import TYPE_CHECKING, ClassVar
 
 from end_effector_hal.codecs import Carrier
@@ -141,8 +142,8 @@ class SensorSet:
 
     def accepts(self, frame: Frame, now: int) -> bool:
         """Return whether the stamp of a frame received at ``now`` is valid; a refusal is reported."""
-        readings = self.now.readings
-        passes = self.stamps.passes(frame.at, now, readings.stale_after(frame), readings.source_of(frame))
+        source, stale_us = self.now.readings.origin(frame)
+        passes = self.stamps.passes(frame.at, now, stale_us, source)
         if not passes:
             self.revision += 1
             self._due = None, 0, None
@@ -192,8 +193,9 @@ class SensorSet:
         of, asked_at, due = self._due
         if of is read_at and asked_at <= at and (due is None or at < due):
             return due  # several ask between two frames
-        due, ends = self.now.deadline(at), self.stamps.deadline(at)
-        due = due if ends is None else ends if due is None else min(due, ends)
+        due = self.now.deadline(at)
+        if self.stamps.refused and (ends := self.stamps.deadline(at)) is not None:
+            due = ends if due is None else min(due, ends)
         self._due = read_at, at, due
         return due
 
@@ -202,7 +204,9 @@ class SensorSet:
 
         Alarms for a link that is down, and for an actuator of a held part without evidence, are made elsewhere.
         """
-        said, readings = [*self.stamps.notices(at), *self.now.doubts(at)], self.now.readings
+        said, readings = [*self.now.doubts(at)], self.now.readings
+        if self.stamps.refused:
+            said[:0] = self.stamps.notices(at)
         down = readings.down(at)
         if down and not self._named:
             return tuple(said)
@@ -258,8 +262,11 @@ class SensorSet:
         evidence, tool, emptied = before
         self.revision += 1
         if now.evidence != evidence:
-            changed = [(_RANK[new], i, new) for i, new in enumerate(now.evidence) if new is not evidence[i]]
-            events = [self._evidence_events[i][new] for _, i, new in sorted(changed)]
+            changed: list[tuple[int, int, Event]] = []
+            for i, new in enumerate(now.evidence):
+                if new is not evidence[i]:
+                    changed.append((_RANK[new], i, self._evidence_events[i][new]))
+            events = list(map(itemgetter(2), sorted(changed)))
         if now.emptied != emptied:
             events += [self._empty_events[i] for i in now.emptied if i not in emptied]
         if now.tool is not tool:

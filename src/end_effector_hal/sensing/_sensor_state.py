@@ -96,12 +96,12 @@ class SensorState:
         changer = description.tool_changer
         self._tool = ToolDetector(changer) if changer else None
         self._stand = (changer.stand_bit, changer.present_bit) if changer else None
-        bits: tuple[str, ...] = ()
+        bits = frozenset[str]()
         if changer and description.interlocks.il_05:
-            bits = changer.locked_bit, changer.unlocked_bit
-        self._lock_bits = bits if all(bit in carrier.channels for bit in bits) else ()
+            bits = frozenset([changer.locked_bit, changer.unlocked_bit])
+        self._lock_bits = bits if bits <= carrier.channels.keys() else frozenset()
         if changer and self._lock_bits and changer.present_bit in carrier.channels:
-            self._lock_bits = (*self._lock_bits, changer.present_bit)
+            self._lock_bits |= {changer.present_bit}
         self._was_clear = False
         self._release = ReleaseDetector(description, carrier)
         self.supply = SupplyDetector(description.supply)
@@ -118,17 +118,18 @@ class SensorState:
         Each item stands for one change, which is made when the item is requested: one, preceded by another one if the
         device restarted.
         """
-        judged = self._rules.judge(frame)
+        frame, doubted, rebooted = self._rules.judge(frame)
         at = max(frame.at, self.readings.last_frame)
-        self._gate.see(frame)
-        if judged.rebooted:
-            for channel in judged.rebooted:
+        if frame.inactive:
+            self._gate.see(frame)
+        if rebooted:
+            for channel in rebooted:
                 self.readings.forget(channel)
             self.readings.idle()
             self._sample(at)
             yield
-        self.readings.take(judged.frame, judged.doubted)
-        for channel in judged.doubted:
+        self.readings.take(frame, doubted)
+        for channel in doubted:
             self.readings.forget(channel)
         self._sample(at)
         yield
@@ -159,7 +160,8 @@ class SensorState:
 
     def verdict(self, at: int) -> object:
         """Return a value that is equal for states with the same evidence and the same alarms."""
-        found = [(each.level, each.empty, each.broken, each.settles(at)) for _, each in self.by_conditions]
+        judges = self.by_conditions if self.conditional else ()
+        found = [(each.level, each.empty, each.broken, each.settles(at)) for _, each in judges]
         supply, proven = self.supply, (self.nothing_gripped, self.in_stand)
         return self.evidence, self.tool, supply.ok, supply.low, *proven, self.doubts(at), found
 
@@ -185,7 +187,7 @@ class SensorState:
         It is gone only by the values of every part: whatever was held before, nothing is there. What counts as gone
         too early is neither gone nor confirmed.
         """
-        levels = self._levels if len(self._detectors_for) == 1 else self._levels_for(part)
+        levels = self._levels_for(part)
         if not (self._on_bus and (early := self._gate.withheld(levels))):
             return levels
         return tuple([Evidence.PARTIAL if i in early else level for i, level in enumerate(levels)])
@@ -220,10 +222,13 @@ class SensorState:
                 yield Alarm("kind.failed", name, {"what": "judged", "why": fault})
 
     def _sample(self, at: int) -> None:
-        self.supply.sample(self.readings, at)
+        self.readings.look(at)
+        self.supply.sample(self.readings)
         tool = self._tool.sample(self.readings, at) if self._tool else self.tool
         self._was_clear = self._was_clear or tool is not ToolEvidence.UNCLEAR
-        too_early = self._was_clear and tool is ToolEvidence.UNCLEAR and self._lock_is_read(at)
+        # all channels that IL-05 needs are read, and do not prove yet that the tool is locked
+        unclear, lock_bits = self._was_clear and tool is ToolEvidence.UNCLEAR, self._lock_bits
+        too_early = unclear and lock_bits and lock_bits <= self.readings.fresh.keys()
         levels = []
         for detector, before in zip(self._detectors, self._levels, strict=True):
             level = detector.sample(self.readings, at)
@@ -235,7 +240,9 @@ class SensorState:
         self._levels, self.tool = tuple(levels), tool
         self._judge()
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
-        self.in_stand = self._is_in_stand(at)
+        if self._stand is not None:  # in its stand, or absent (IL-02)
+            in_stand, present = map(self.readings.fresh.get, self._stand)
+            self.in_stand = in_stand is not None and (bool(in_stand) or present is False)
 
     def _levels_for(self, part: int) -> tuple[Evidence, ...]:
         """Return the levels of a part's detectors, gone only where all detectors of the actuator say so."""
@@ -252,26 +259,13 @@ class SensorState:
 
     def _judge(self) -> None:
         """Set the evidence of the part from the newest levels of the detectors."""
-        self.evidence = self.evidence_of(self.part)
+        one = len(self._detectors_for) == 1 and not self._on_bus
+        self.evidence = self._levels if one else self.evidence_of(self.part)
         if self._on_bus:
             self.withheld = self._gate.withheld(self._levels_for(self.part))
         if self.conditional:
             found = [i for i, each in self.by_conditions if each.empty]
             self.emptied = tuple([i for i in found if self.evidence[i] is not Evidence.CONFIRMED])
-
-    def _lock_is_read(self, at: int) -> bool:
-        """Return whether all channels that IL-05 needs have fresh readings."""
-        return bool(self._lock_bits) and all(
-            self.readings.get(bit, at) is not None for bit in self._lock_bits
-        )
-
-    def _is_in_stand(self, at: int) -> bool:
-        """Return whether the tool is in its stand or absent (IL-02); False without a fresh reading."""
-        if self._stand is None:
-            return False
-        stand_bit, present_bit = self._stand
-        in_stand = self.readings.get(stand_bit, at)
-        return in_stand is not None and (bool(in_stand) or self.readings.get(present_bit, at) is False)
 
 
 def stays(
@@ -299,7 +293,7 @@ def stays(
     if state.is_guarded:  # a plug-in's detector may count in its own way
         return False
     last, state = first + (samples - 1) * period, clone(state)
-    now, streaks = state.verdict(newest.at), list(streaks_of(state))
+    now, streaks = state.verdict(newest.at), streaks_of(state)
     counts = [streak.samples > 0 for streak in streaks]
 
     def ends_alike(at: int, values: Mapping[str, Value]) -> bool:

@@ -1,4 +1,4 @@
-"""Detectors of no single kind: frozen sensors, release of everything, supply, tool changer."""
+"""Detectors of no single kind: release of everything, supply, tool changer."""
 
 from __future__ import annotations
 
@@ -12,29 +12,6 @@ from end_effector_hal.kinds.stanza import Supply
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.signals import NESTED, Streak
 from end_effector_hal.vocabulary import Evidence, ToolEvidence, to_us
-
-
-class FrozenDetector:
-    """Detects a value that is constant for too long: the noise of a working sensor changes its value.
-
-    Args:
-        after_us: time after which a constant value counts as frozen, µs.
-        gap_us: time between two samples from which they are not consecutive, µs: the detector then starts again.
-    """
-
-    MEMORY: ClassVar = {"_value": int | None, "_since": int, "_last": int}
-
-    def __init__(self, after_us: int, gap_us: int) -> None:
-        self._after_us, self._gap_us = after_us, gap_us
-        self._value: int | None = None
-        self._since = self._last = 0
-
-    def sample(self, value: int, at: int) -> bool:
-        """Return whether the value is frozen, after one more sample at ``at`` µs."""
-        if value != self._value or at - self._last >= self._gap_us:
-            self._value, self._since = value, at
-        self._last = at
-        return at - self._since >= self._after_us
 
 
 class ReleaseDetector:
@@ -67,9 +44,15 @@ class ReleaseDetector:
         for index in self._others:
             released = released and evidence[index] is Evidence.GONE
         for channel, low in zip(self._below_ambient, self._low, strict=True):
-            value = readings.get(channel, at)
-            if value is None or channel in readings.arrived:
-                low.take(value is not None and below_ambient_kpa(value) < self._changer.vented_kpa, at)
+            value = readings.fresh.get(channel)
+            if value is None:
+                low.samples = 0
+            elif channel in readings.arrived:
+                kpa = -value / 1000 if type(value) is int else below_ambient_kpa(value)
+                if kpa < self._changer.vented_kpa:
+                    low.take(True, at)
+                else:
+                    low.samples = 0
             released = released and low.lasted(at, self._vented_us)
         return released
 
@@ -85,9 +68,9 @@ class SupplyDetector:
         self.low = False
         self.kpa: float | None = None
 
-    def sample(self, readings: Readings, at: int) -> bool:
-        """Return whether a grip may start, after one more sample at ``at`` µs."""
-        value = readings.get(self._supply.channel, at)
+    def sample(self, readings: Readings) -> bool:
+        """Return whether a grip may start, after one more sample."""
+        value = readings.fresh.get(self._supply.channel)
         if value is None:
             self.ok, self.kpa = False, None
             return self.ok
@@ -125,26 +108,30 @@ class ToolDetector:
         """Return the evidence after one more sample at ``at`` µs."""
         changer = self._changer
         bits = (changer.locked_bit, changer.unlocked_bit, changer.present_bit)
-        said = self._shown(readings, at)
+        said = self._shown(readings)
         if said is ToolEvidence.UNCLEAR:
             self._streaks = {level: Streak() for level in ToolEvidence}
             self.level = said
             return self.level
         if readings.arrived.isdisjoint(bits):
             return self.level
+        shown = self._streaks[said]
         for streak in self._streaks.values():
-            if streak is not self._streaks[said]:
+            if streak is not shown:
                 streak.samples = 0
-        self._streaks[said].take(True, at)
-        if self._streaks[said].lasted(at, self._wait_us[said]):
+        shown.take(True, at)
+        if self.level is not said and shown.lasted(at, self._wait_us[said]):
             self.level = said
         return self.level
 
-    def _shown(self, readings: Readings, at: int) -> ToolEvidence:
+    def _shown(self, readings: Readings) -> ToolEvidence:
         """Return what this sample alone shows."""
-        changer, carried = self._changer, readings.carried
-        locked, unlocked = readings.get(changer.locked_bit, at), readings.get(changer.unlocked_bit, at)
-        present = readings.get(changer.present_bit, at)
+        changer, carried, read = self._changer, readings.carried, readings.fresh.get
+        locked, unlocked, present = (
+            read(changer.locked_bit),
+            read(changer.unlocked_bit),
+            read(changer.present_bit),
+        )
         absent = present is not None and not present
         if changer.locked_bit not in carried and changer.unlocked_bit not in carried:
             return ToolEvidence.ABSENT if absent else ToolEvidence.UNCLEAR  # more cannot be shown

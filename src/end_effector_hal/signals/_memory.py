@@ -100,17 +100,19 @@ def _stays(kind: Any, is_nested: bool) -> bool:
     return get_origin(kind) in (tuple, frozenset) or (isinstance(kind, type) and issubclass(kind, Enum))
 
 
-def parts_of(thing: Remembers) -> Iterator[Remembers]:
-    """Yield the parts of an object that have a memory."""
+def parts_of(thing: Remembers) -> list[Remembers]:
+    """Return the parts of an object that have a memory."""
     plan = _PLANS.get(type(thing)) or _plan(thing)
+    found: list[Remembers] = []
     for name in plan.parts:
         value = getattr(thing, name)
-        if isinstance(value, Mapping):
-            yield from value.values()
-        elif isinstance(value, tuple | list):
-            yield from value
+        if type(value) is dict:
+            found += value.values()
+        elif type(value) in (tuple, list):
+            found += value
         elif value is not None:
-            yield value
+            found.append(value)
+    return found
 
 
 def recall(thing: Remembers, memory: object, where: str = "memory") -> None:

@@ -54,12 +54,17 @@ class ChannelReadings(Protocol):
     """The newest reading of each channel, as long as it is fresh and valid."""
 
     @property
+    def fresh(self) -> Mapping[str, int | bool]:
+        """The fresh, valid values at the time that is judged, by channel: gauge Pa (vacuum negative), or a bit."""
+        ...
+
+    @property
     def carried(self) -> Mapping[str, Kind]:
         """The channels of the codec with their types."""
         ...
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
-        """Return gauge Pa (vacuum negative) or a bit at ``at`` µs; None: no fresh, valid reading."""
+        """Return a value at another time, ``at`` µs; None: no fresh, valid reading."""
         ...
 
     @property
@@ -77,24 +82,16 @@ class PassingReadings:
     """
 
     def __init__(self, remembered: ChannelReadings, frame: Frame) -> None:
-        self._remembered, self._values = remembered, frame.values
-
-    @property
-    def carried(self) -> Mapping[str, Kind]:
-        """See `ChannelReadings`."""
-        return self._remembered.carried
+        valid = {channel: value for channel, value in frame.values.items() if value is not None}
+        self.arrived = frozenset(valid)
+        for channel in remembered.carried.keys() - valid.keys():  # an invalid value refreshes nothing
+            if (value := remembered.get(channel, frame.at)) is not None:
+                valid[channel] = value
+        self.carried, self.fresh = remembered.carried, valid
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """See `ChannelReadings`."""
-        value = None if channel is None else self._values.get(channel)
-        if value is not None:
-            return value
-        return self._remembered.get(channel, at)  # an invalid value refreshes nothing
-
-    @property
-    def arrived(self) -> frozenset[str]:
-        """See `ChannelReadings`."""
-        return frozenset([channel for channel, value in self._values.items() if value is not None])
+        return None if channel is None else self.fresh.get(channel)
 
 
 class Measure(NamedTuple):

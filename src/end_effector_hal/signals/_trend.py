@@ -7,7 +7,7 @@ estimated with lines by least squares.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import log, sqrt
 from typing import ClassVar
 
@@ -15,7 +15,10 @@ from end_effector_hal.signals._memory import Remembers, parts_of
 
 
 class Streak:
-    """Counts consecutive samples for which a condition holds, and stores the time of the first one."""
+    """Counts consecutive samples for which a condition holds, and stores the time of the first one.
+
+    A detector without a time sets ``samples`` itself, without `take`: every frame counts several.
+    """
 
     MEMORY: ClassVar = {"samples": int, "_since": int}
 
@@ -41,13 +44,14 @@ class Streak:
         return self.samples > 0 and at - self._since >= us
 
 
-def streaks_of(thing: Remembers) -> Iterator[Streak]:
-    """Yield all streaks of an object and of its parts."""
+def streaks_of(thing: Remembers) -> list[Streak]:
+    """Return all streaks of an object and of its parts."""
+    if type(thing) is Streak:
+        return [thing]
+    found: list[Streak] = []
     for part in parts_of(thing):
-        if type(part) is Streak:
-            yield part
-        else:
-            yield from streaks_of(part)
+        found += streaks_of(part)
+    return found
 
 
 def lengthen(streaks: Iterable[Streak], samples: int) -> None:
@@ -78,8 +82,8 @@ class Trend:
     """
 
     MEMORY: ClassVar = {
-        "_points": deque[Point],
-        "_samples": list[tuple[int, float]],
+        "points": deque[Point],
+        "samples": list[tuple[int, float]],
         "_older": float,
         "_newer": float,
     }
@@ -88,29 +92,29 @@ class Trend:
         self._window_us = max(window_us, 10 * period_us)
         # a bin is full when the next sample would be too late for it
         self._full_us = self._window_us // BINS - period_us
-        self._points: deque[Point] = deque()
-        self._samples: list[tuple[int, float]] = []
+        self.points: deque[Point] = deque()
+        self.samples: list[tuple[int, float]] = []
         self._older = self._newer = 0.0
 
     def take(self, value: float, at: int) -> bool:
         """Add one more sample at ``at`` µs; return True if a bin is full and the trend was computed again."""
-        self._samples.append((at, value))
-        if at - self._samples[0][0] < self._full_us:
+        self.samples.append((at, value))
+        if at - self.samples[0][0] < self._full_us:
             return False
-        count = len(self._samples)
-        mean_s = sum([when for when, _ in self._samples]) / count / 1e6
-        self._points.append((mean_s, sum([each for _, each in self._samples]) / count))
-        self._samples.clear()
-        while self._points[-1][0] - self._points[0][0] > self._window_us / 1e6:
-            self._points.popleft()
+        count = len(self.samples)
+        mean_s = sum([when for when, _ in self.samples]) / count / 1e6
+        self.points.append((mean_s, sum([each for _, each in self.samples]) / count))
+        self.samples.clear()
+        while self.points[-1][0] - self.points[0][0] > self._window_us / 1e6:
+            self.points.popleft()
         halves = self._halves()
         self._older, self._newer = map(_surely, halves) if halves else (0.0, 0.0)
         return True
 
     def clear(self) -> None:
         """Discard all samples, after a gap."""
-        self._points.clear()
-        self._samples.clear()
+        self.points.clear()
+        self.samples.clear()
         self._older = self._newer = 0.0
 
     @property
@@ -137,12 +141,12 @@ class Trend:
 
     def _halves(self) -> tuple[list[Point], list[Point]] | None:
         """Return the points of both halves of the window, older first; None: it is not full enough."""
-        span_s = self._points[-1][0] - self._points[0][0] if self._points else 0.0
+        span_s = self.points[-1][0] - self.points[0][0] if self.points else 0.0
         if span_s < 0.8 * self._window_us / 1e6:
             return None
-        middle = self._points[0][0] + span_s / 2
-        older = [point for point in self._points if point[0] <= middle]
-        newer = [point for point in self._points if point[0] >= middle]
+        middle = self.points[0][0] + span_s / 2
+        older = [point for point in self.points if point[0] <= middle]
+        newer = [point for point in self.points if point[0] >= middle]
         return (older, newer) if min(len(older), len(newer)) >= 3 else None
 
 

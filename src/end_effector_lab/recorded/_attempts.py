@@ -37,20 +37,21 @@ class RecordedReadings:
     Attributes:
         at: time, µs.
         carried: the channels of the codec.
+        fresh: the values, gauge Pa or a bit.
         arrived: the channels of a frame that arrived at this instant.
     """
 
-    __slots__ = ("_values", "arrived", "at", "carried")
+    __slots__ = ("arrived", "at", "carried", "fresh")
 
     def __init__(
         self, at: int, carried: Mapping[str, Kind], values: Mapping[str, int | bool], arrived: frozenset[str]
     ) -> None:
         self.at, self.carried = at, carried
-        self._values, self.arrived = values, arrived
+        self.fresh, self.arrived = values, arrived
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
         """Return the value in gauge Pa, or the bit; None: there was none."""
-        return None if channel is None else self._values.get(channel)
+        return None if channel is None else self.fresh.get(channel)
 
 
 @dataclass(slots=True)

@@ -45,6 +45,7 @@ def without_crc(patch: pytest.MonkeyPatch) -> None:
 
 
 def without_staleness(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Readings, "look", lambda self, at: setattr(self, "fresh", self._values))
     patch.setattr(Readings, "get", lambda self, channel, at: self._values.get(channel))
     patch.setattr(Readings, "deadline", lambda self, at: None)
 

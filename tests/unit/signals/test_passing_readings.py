@@ -16,5 +16,6 @@ def test_an_invalid_value_refreshes_nothing_and_what_was_read_stays_until_it_is_
         frame = Frame(at, 1, 0, {"top": None, "bottom": -40_000})
         passing = PassingReadings(readings, frame)
         assert passing.get("top", at) == readings.get("top", at) == (-60_000 if at < 150_000 else None)
+        assert passing.fresh.get("top") == passing.get("top", at)
         assert passing.arrived == {"bottom"}
         assert passing.get("bottom", at) == -40_000

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.kinds import ChannelReadings
 from end_effector_hal.kinds.cylinder import CylinderDetector
 from end_effector_hal.runtime.outputs import OutputMapping
 from end_effector_lab.commands._matrix import command
@@ -172,8 +173,8 @@ def test_no_air_is_no_proof_of_a_cylinder(monkeypatch: pytest.MonkeyPatch) -> No
     cell = all_cells()["supply:0 @ grip cylinder on + none"]
     assert play(SHIPPED, cell).outcome == Outcome.FAILED
 
-    def as_it_was(detector: CylinderDetector, readings: object, at: int) -> float:
-        supply = readings.get(detector._supply.channel, at)  # type: ignore[attr-defined]
+    def as_it_was(detector: CylinderDetector, readings: ChannelReadings) -> float:
+        supply = readings.fresh[detector._supply.channel]
         return detector._actuator.extended_fraction * supply - 20_000
 
     monkeypatch.setattr(CylinderDetector, "_threshold_pa", as_it_was)

@@ -18,11 +18,11 @@ class Samples:
 
     def __init__(self, values: Mapping[str, Value], *, arrived: bool | None = None) -> None:
         self._values, self._arrived = values, arrived
+        self.fresh = {name: value for name, value in values.items() if value is not None}
 
     def get(self, channel: str | None, at: int) -> int | bool | None:
-        return None if channel is None else self._values.get(channel)
+        return None if channel is None else self.fresh.get(channel)
 
     @property
     def arrived(self) -> frozenset[str]:
-        shown = (name for name, value in self._values.items() if value is not None)
-        return frozenset(shown if self._arrived is None else self._values if self._arrived else ())
+        return frozenset(self.fresh if self._arrived is None else self._values if self._arrived else ())

@@ -16,10 +16,10 @@ from end_effector_hal.runtime.outputs import OutputMapping, Outputs
 from end_effector_hal.runtime.programs._adoption import Adoption
 from end_effector_hal.runtime.programs._program import Program
 from end_effector_hal.runtime.programs._sensor_fault import SensorFault
-from end_effector_hal.sensing import Predicates, SensorSet
+from end_effector_hal.sensing import Predicates, SensorSet, _link_rules
 from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.sensing._sensor_state import SensorState
-from end_effector_hal.sensing.detectors import FrozenDetector, ReleaseDetector, ToolDetector
+from end_effector_hal.sensing.detectors import ReleaseDetector, ToolDetector
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState, Evidence, ToolEvidence
 
@@ -153,7 +153,7 @@ def _invalid_is_a_sample(real: Any, readings: Readings, frame: Frame, *doubted: 
 
 def _one_bit_is_enough(real: Any, detector: ToolDetector, readings: Readings, at: int) -> ToolEvidence:
     level: ToolEvidence = real(detector, readings, at)
-    if readings.get(detector._changer.locked_bit, at):
+    if readings.fresh.get(detector._changer.locked_bit):
         level = detector.level = ToolEvidence.LOCKED
     return level
 
@@ -191,8 +191,8 @@ def _gone_when_lost(real: Any, detector: Any, readings: Any, at: int) -> Evidenc
     return detector.level
 
 
-def _share_of_any_air(detector: CylinderDetector, readings: Any, at: int) -> float:
-    supply = readings.get(detector._supply.channel, at)
+def _share_of_any_air(detector: CylinderDetector, readings: Any) -> float:
+    supply = readings.fresh[detector._supply.channel]
     return float(detector._actuator.extended_fraction * supply - 20_000)
 
 
@@ -325,8 +325,8 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "locked-shows:tool_changer:0 @ grip bottom_vacuum on + none", "effects",
     ),
     "a frozen sensor that is believed": WrongProduct(
-        lambda patch: patch.setattr(FrozenDetector, "sample", lambda *_: False),
-        "sensing/detectors.py: FrozenDetector.sample",
+        lambda patch: patch.setattr(_link_rules, "frozen_after", lambda *_: {}),
+        "sensing/_link_rules.py: frozen_after",
         "frozen-after:bottom_vacuum:0 @ grip GRIPPED, between + none", "effects",
     ),
     "a weak vacuum that counts as a grip": WrongProduct(

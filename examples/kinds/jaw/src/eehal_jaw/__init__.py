@@ -42,8 +42,8 @@ class JawDetector:
 
     def sample(self, readings: ChannelReadings, at: int) -> Evidence:
         """The evidence at ``at`` µs; where no open switch is fitted, open is the opposite of closed."""
-        closed = readings.get(self._actuator.closed_bit, at)
-        opened = readings.get(self._actuator.open_bit, at)
+        closed = readings.fresh.get(self._actuator.closed_bit)
+        opened = readings.fresh.get(self._actuator.open_bit)
         if self._actuator.open_bit not in readings.carried and closed is not None:
             opened = not closed
         if closed is None or opened is None:
