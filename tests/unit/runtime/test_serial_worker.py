@@ -264,6 +264,19 @@ def test_a_job_that_fails_ends_the_program_and_not_the_one_who_submitted_it(prog
     assert program.done == []
 
 
+def test_no_job_starts_after_one_that_has_failed_in_the_thread_of_the_worker(program: Program) -> None:
+    def fails() -> None:
+        raise RuntimeError("a defect")
+
+    with program.worker._turn:
+        program.worker.submit(fails)
+    program.worker._bell.put(None)
+    program.thread.join(PATIENCE_S)
+    program.worker.submit(program.job("later"))
+    assert str(program.error) == "a defect"
+    assert program.done == []
+
+
 def test_what_is_due_is_done_though_nothing_is_ever_submitted() -> None:
     program = Program()
     program.due = now_us() + 20_000

@@ -26,8 +26,8 @@ from __future__ import annotations
 import queue
 import threading
 from collections import deque
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import NoReturn, TypeVar
 
 from end_effector_hal.wires import now_us
@@ -124,7 +124,7 @@ class SerialWorker:
 
     def begin(self, first: FollowUp) -> None:
         """Run ``first``, then all jobs that were submitted before."""
-        with self._turn:
+        with self._in_turn():
             first()
             self._begun = True
             self._do_all()
@@ -133,16 +133,12 @@ class SerialWorker:
 
     def work(self) -> None:
         """Run all waiting follow-ups and jobs, and the job for elapsed time if it is due; for the worker's thread."""
-        with self._turn:
+        with self._in_turn():
             self._do_all()
             due = self._due()
             if due is not None and due <= self._clock() and not self._ended:
                 self._do(self._time_passed)
             self._sleeps_until = self._due()
-
-    def _prepares(self) -> bool:
-        with self._turn:
-            return not self._jobs and self._prepare()
 
     def end(self) -> None:
         """Make `run` return after the jobs that were submitted before."""
@@ -150,6 +146,20 @@ class SerialWorker:
 
     def _end(self) -> None:
         self._ended = True
+
+    def _prepares(self) -> bool:
+        with self._in_turn():
+            return not self._jobs and self._prepare()
+
+    @contextmanager
+    def _in_turn(self) -> Iterator[None]:
+        """Have the turn; after an exception no job starts any more, in whatever thread."""
+        with self._turn:
+            try:
+                yield
+            except BaseException:
+                self._ended = True
+                raise
 
     def _leaves_work(self) -> bool:
         """Run the jobs that this thread can run, then release the turn; return whether the worker's thread
