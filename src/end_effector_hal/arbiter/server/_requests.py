@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -40,23 +40,14 @@ class RequestHandler:
 
     Args:
         arbiter: the rules of the lines.
-        read_levels: reads the levels of all lines from the hardware.
-        unclean: whether the previous arbiter did not end in order.
         records: saved before each reply, so that the next arbiter has all that a client was promised.
         drop: closes a connection for the given reason.
     """
 
     def __init__(
-        self,
-        arbiter: LineArbiter,
-        read_levels: Callable[[], Mapping[str, bool]],
-        *,
-        unclean: bool,
-        records: Records,
-        drop: Callable[[Connection, str], None],
+        self, arbiter: LineArbiter, records: Records, drop: Callable[[Connection, str], None]
     ) -> None:
-        self._arbiter, self._read_levels, self._unclean = arbiter, read_levels, unclean
-        self._records, self._drop = records, drop
+        self._arbiter, self._records, self._drop = arbiter, records, drop
         self._sender_role: SenderRole[Connection] = SenderRole(arbiter.policy.fresh_us)
         self._read_once = lru_cache(MOST_KEPT)(read_rest)
 
@@ -108,11 +99,11 @@ class RequestHandler:
                 arbiter.predicates.update(request.predicates, time_us or 0, at)
                 return {}
             case "status":
-                about = {"pid": os.getpid(), "unclean": self._unclean}
+                about = {"pid": os.getpid(), "unclean": not self._records.before.clean}
                 return {"status": about | status_report(arbiter, at)}
             case "levels":
                 part = {"part": arbiter.part} if arbiter.part else {}
-                return {"levels": self._read_levels(), **part}
+                return {"levels": arbiter.read_levels(), **part}
             case "reset":
                 _log.info("%s resets the faults", connection.process)
                 return {"stays": arbiter.reset(at, self._records.troubles())}

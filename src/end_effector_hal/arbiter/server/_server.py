@@ -117,13 +117,7 @@ class ArbiterServer(Closing):
         if self._inputs is not None:
             self._selector.register(self._inputs.fileno(), selectors.EVENT_READ, self._inputs)
         self._connections = Connections(listener, self._selector)
-        self._requests = RequestHandler(
-            self._arbiter,
-            self._arbiter.read_levels,
-            unclean=not before.clean,
-            records=self._records,
-            drop=self._drop,
-        )
+        self._requests = RequestHandler(self._arbiter, self._records, self._drop)
 
     def levels(self) -> dict[str, bool]:
         """Return the levels of all lines as last written."""

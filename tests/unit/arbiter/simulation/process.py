@@ -85,13 +85,7 @@ class ArbiterProcess:
             Lines(world), policy, world.now, self._records.before, self._records.before_change
         )
         self._records.keep(self.rules)
-        self._requests = RequestHandler(
-            self.rules,
-            lambda: dict(world.lines),
-            unclean=not self._records.before.clean,
-            records=self._records,
-            drop=self._drop,
-        )
+        self._requests = RequestHandler(self.rules, self._records, self._drop)
 
     def accept(self, far: FarEnd) -> None:
         self._connections[far] = Connection(far, self._world.now)  # type: ignore[arg-type]
