@@ -1,13 +1,18 @@
 """A message that differs from an earlier one only in its id and time is read once, and means the same each time."""
 
 import json
+import sys
+from pathlib import Path
+from types import FrameType
 
 import pytest
 
 from end_effector_hal.arbiter.protocol import HEAD, read_id, read_message, read_request, read_rest
 from tests.support.keeping import BOTTOM, TOP
-from tests.unit.arbiter.stepping import Stepped
+from tests.unit.arbiter.stepping import MS, Stepped
 
+MOST_CALLS = 60
+"""A little above what one report of predicates takes in a round of the arbiter."""
 WILL = b'"will":[{"line":"x","level":false,"after_us":0}]}'
 READ_SHORTLY = (
     b'{"id":7,"op":"set","until_us":5,"levels":{"x":true},' + WILL,
@@ -47,7 +52,7 @@ def test_everything_odd_goes_the_long_way(line: bytes) -> None:
 
 
 def test_a_repeated_message_has_its_own_id_and_time_and_a_refusal_stays_one(
-    tmp_path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     arbiter = Stepped(tmp_path, monkeypatch)
     sensors, grip = arbiter.peer(), arbiter.peer()
@@ -73,4 +78,29 @@ def test_a_repeated_message_has_its_own_id_and_time_and_a_refusal_stays_one(
     assert [each.after_us for each in arbiter.rules.sessions[0].will] == [0]
     assert ask(13, arbiter.at, BOTTOM) == (13, "")
     assert [each.after_us for each in arbiter.rules.sessions[0].will] == [1], "another will, though alike"
+    arbiter.close()
+
+
+def test_a_repeated_report_of_predicates_costs_the_arbiter_little(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Twenty-five of them come in a second while a tool holds; the records are compared once for each."""
+    arbiter = Stepped(tmp_path, monkeypatch)
+    sensors, counts = arbiter.peer(), [0, 0]
+    sensors.proves()
+    for number in range(2):
+        arbiter.at += 40 * MS
+        sensors.send(b'{"op":"tell","at_us":%d,"predicates":{"locked":true}}\n' % arbiter.at)
+
+        def count(_frame: FrameType, event: str, _what: object, number: int = number) -> None:
+            counts[number] += event == "call"
+
+        sys.setprofile(count)
+        try:
+            arbiter.step()
+        finally:
+            sys.setprofile(None)
+        assert arbiter.rules.predicates.proofs["locked"].at == arbiter.at
+    assert counts[1] < counts[0], "the second one is not checked again"
+    assert counts[1] <= MOST_CALLS
     arbiter.close()
