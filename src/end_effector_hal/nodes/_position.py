@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import partial
 from math import isnan, nan
 from typing import Any
 
@@ -92,30 +93,17 @@ class PositionNode:
         self._lock = threading.Lock()
         self._evidence, self._part = self._tool.status.evidence, self._tool.status.part
         self._values: Mapping[str, Value] = {}
-        order = {name: index for index, name in enumerate(description.sequence)}
-        self._outputs = [
-            _Output(
-                name, node.publisher(topic), CylinderPlace, self._cylinder(order[name]), _cylinder_message
-            )
-            for name, topic in position_topics(description).items()
-        ]
+        self._outputs: list[_Output] = []
+        for name, topic in position_topics(description).items():
+            read = partial(self._cylinder, description.sequence.index(name))
+            self._outputs.append(_Output(name, node.publisher(topic), CylinderPlace, read, _cylinder_message))
         if changer := description.tool_changer:
-            self._outputs += [
-                _Output(
-                    "tool_changer",
-                    node.publisher(POSITION_TOOL_CHANGER),
-                    ChangerPlace,
-                    lambda: changer_place(changer, self._values),
-                    _message,
-                ),
-                _Output(
-                    "tool_stand",
-                    node.publisher(POSITION_TOOL_STAND),
-                    ToolPlace,
-                    lambda: tool_place(changer, self._values),
-                    _message,
-                ),
-            ]
+            for name, topic, places, place in (
+                ("tool_changer", POSITION_TOOL_CHANGER, ChangerPlace, changer_place),
+                ("tool_stand", POSITION_TOOL_STAND, ToolPlace, tool_place),
+            ):
+                found = partial(self._of_changer, place, changer)
+                self._outputs.append(_Output(name, node.publisher(topic), places, found, _message))
         self._publish_joints = node.publisher(JOINT_STATES)
         self._grip_joint, self._joints = grip_joint(description), actuator_joints(description)
         self._known_joints: dict[str, float] = {}
@@ -124,9 +112,7 @@ class PositionNode:
         if changer:
             bits = changer.locked_bit, changer.unlocked_bit, changer.stand_bit, changer.present_bit
             self._tool.subscribe_readings(
-                self._on_readings,
-                name=POSITION,
-                key=lambda readings: [*map(readings.values.get, bits)],
+                self._on_readings, name=POSITION, key=lambda now: [*map(now.values.get, bits)]
             )
         node.every(STATE_HZ, self._tick)
         publish_health(node, description.name, self._health)
@@ -171,8 +157,13 @@ class PositionNode:
         found[self._grip_joint] = grip_position(self._evidence, self._tool.description.uses(self._part))
         return {name: position for name, position in found.items() if not isnan(position)}
 
-    def _cylinder(self, index: int) -> Callable[[], CylinderPlace]:
-        return lambda: CYLINDER[self._evidence[index]]
+    def _cylinder(self, index: int) -> CylinderPlace:
+        return CYLINDER[self._evidence[index]]
+
+    def _of_changer(
+        self, place: Callable[[ToolChanger, Mapping[str, Value]], IntEnum], changer: ToolChanger
+    ) -> IntEnum:
+        return place(changer, self._values)
 
     def _health(self) -> Health:
         values = {
