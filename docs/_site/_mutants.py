@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
+from end_effector_hal.control import load_automata
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.mutation import kept_record
 from timed_automata.document import Template
 

@@ -16,9 +16,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from end_effector_hal.codecs import match_codec
+from end_effector_hal.control import load_automata
 from end_effector_hal.description import Description, examine, examine_text
 from end_effector_hal.errors import DescriptionError, Diagnostic, ReportedError, UsageError
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.lemmas import prove_tool
 from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers

@@ -11,10 +11,9 @@ import click
 
 from end_effector_hal.cli import PathName, Progress, print_document, write_whole
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.control import model_constants
+from end_effector_hal.control import load_automata, model_constants
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.mutation import MutationRecord
 from tools import run
 from tools.mutants import MutantVerdict, judge_all, mutation_record, text_of

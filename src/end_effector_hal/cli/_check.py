@@ -230,7 +230,7 @@ def _hints(description: Description) -> Iterator[str]:
 
 
 def _automata_faults(description: Description) -> tuple[Diagnostic, ...]:
-    from end_effector_hal.runtime import load_automata
+    from end_effector_hal.control import load_automata
 
     try:
         load_automata(description)

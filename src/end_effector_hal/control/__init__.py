@@ -1,5 +1,6 @@
 """The decisions of the tool: its executed automata and the texts about them; no I/O."""
 
+from ._automata import load_automata
 from ._constants import model_constants
 from ._controller import Controller, ControllerSnapshot, Foreseen
 from ._events import COMMANDS, FAILURES, EventKind, EventReader, ToolEvent, restart_events
@@ -34,6 +35,7 @@ __all__ = [
     "event_lines",
     "event_text",
     "held_words",
+    "load_automata",
     "maintenance_will",
     "model_constants",
     "network_of",

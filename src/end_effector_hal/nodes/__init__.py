@@ -4,5 +4,3 @@ nothing.
 A transport (``ros1``) starts them and moves their messages; ``transport`` defines the protocol that it must implement.
 The nodes of a process share its tool: HALMain's process runs it, and every other one talks to it over its socket.
 """
-
-from ._start import PROGRAMS, open_tool, start_node

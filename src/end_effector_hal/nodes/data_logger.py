@@ -19,7 +19,7 @@ from end_effector_hal.signals import Frame, StampGate
 from end_effector_hal.vocabulary import LONGEST_NAME, Cause, Command, printable, received_alarms
 from end_effector_hal.wires import now_us
 
-from ._start import recording_limits
+from .start import recording_limits
 from .interface import DATA_LOGGER, DIRECTORY, END_EFFECTOR_STATE, SUPERVISOR_COMMANDS
 from .report import ERROR, OK, Health, publish_health
 from .transport import CommandMessage, NodeTransport, StateMessage

@@ -9,10 +9,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from end_effector_hal.control import Status, network_of
+from end_effector_hal.control import Status, load_automata, network_of
 from end_effector_hal.description import Description, content_hash, tool_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import changer_is_sensed, load_automata
+from end_effector_hal.runtime import changer_is_sensed
 from end_effector_hal.vocabulary import ChangerState, EndEffectorState, Evidence
 
 from .interface import load_for_nodes

@@ -16,7 +16,6 @@ from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Ending
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.nodes import open_tool
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
     HAL_MAIN,
@@ -27,6 +26,7 @@ from end_effector_hal.nodes.interface import (
     load_for_nodes,
 )
 from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, node_log
+from end_effector_hal.nodes.start import open_tool
 from end_effector_hal.nodes.transport import ActionClient, ActionServer, ClientGoal, answer_of
 from end_effector_hal.runtime import Tool
 

@@ -9,8 +9,8 @@ from types import ModuleType
 from typing import Any
 
 from end_effector_hal.errors import RosError, UsageError
-from end_effector_hal.nodes import PROGRAMS, start_node
 from end_effector_hal.nodes.process import guarded
+from end_effector_hal.nodes.start import PROGRAMS, start_node
 
 _ROS_PACKAGES = ("genpy", "rospy", "actionlib", "diagnostic_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 

@@ -12,7 +12,6 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from end_effector_hal.description import Description, content_hash, tool_path
 from end_effector_hal.errors import ReportedError, UsageError
-from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import (
     DESCRIPTION,
     MANAGER,
@@ -24,6 +23,7 @@ from end_effector_hal.nodes.interface import (
 )
 from end_effector_hal.nodes.launching import require_proof, what_is_missing
 from end_effector_hal.nodes.process import node_log
+from end_effector_hal.nodes.start import start_node
 from end_effector_hal.runtime import Tool
 from end_effector_hal.wires import now_us
 

@@ -19,9 +19,9 @@ from rclpy.signals import SignalHandlerOptions
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError, RosError, UsageError
-from end_effector_hal.nodes import open_tool
 from end_effector_hal.nodes.interface import HAL_MAIN
 from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, leave_within
+from end_effector_hal.nodes.start import open_tool
 from end_effector_hal.nodes.transport import NodeTransport
 from end_effector_hal.runtime import Tool
 

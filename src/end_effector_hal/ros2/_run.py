@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from contextlib import closing
 
 from end_effector_hal.errors import RosError, UsageError
-from end_effector_hal.nodes import PROGRAMS as NODE_PROGRAMS
-from end_effector_hal.nodes import start_node
 from end_effector_hal.nodes.interface import HAL_NODES
 from end_effector_hal.nodes.process import guarded
+from end_effector_hal.nodes.start import PROGRAMS as NODE_PROGRAMS
+from end_effector_hal.nodes.start import start_node
 
 ROS_PACKAGES = (
     "rclpy",

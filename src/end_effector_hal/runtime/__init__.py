@@ -5,7 +5,6 @@ a controller with its thread; ``boundary``, the recorded inputs and outputs of t
 statuses to writes.
 """
 
-from ._automata import load_automata
 from ._error_text import error_text, sendable
 from ._reload import fixed_by_arbiter, reload_answer
 from ._script import WORDS, ScriptCommand, read_command, read_script
@@ -49,7 +48,6 @@ __all__ = [
     "error_text",
     "fixed_by_arbiter",
     "latch_stop",
-    "load_automata",
     "longest_release_s",
     "open_program",
     "read_command",

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.runtime import load_automata
+from end_effector_hal.control import load_automata
 from end_effector_hal.runtime.stream import ask_program, program_socket
 from end_effector_hal.verification.mutation import kept_record
 from end_effector_lab.processes import EEHAL

@@ -48,8 +48,9 @@ def test_what_executes_no_automata_does_not_load_them(package: str) -> None:
     assert PROGRAM.isdisjoint(done.stdout.split())
 
 
-def test_a_check_loads_nothing_that_draws() -> None:
-    assert not loaded("check") & {"matplotlib", "numpy", "end_effector_lab.figures"}
+def test_a_check_loads_nothing_that_draws_or_runs() -> None:
+    runs = {"asyncio", "end_effector_hal.arbiter", "end_effector_hal.recording", "end_effector_hal.runtime"}
+    assert not loaded("check") & {"matplotlib", "numpy", "end_effector_lab.figures", *runs}
 
 
 def test_the_styles_are_those_of_the_figures() -> None:

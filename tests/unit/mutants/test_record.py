@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from end_effector_hal.control import load_automata
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification import mutation
 from end_effector_hal.verification.mutation import kept_record
 from end_effector_hal.verification.proof import CHECKS, requirements_of

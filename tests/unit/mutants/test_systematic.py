@@ -7,10 +7,9 @@ from random import Random
 
 import pytest
 
-from end_effector_hal.control import model_constants
+from end_effector_hal.control import load_automata, model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import load_automata
 from tests.support.nightly import NIGHTLY, first_of
 from timed_automata import make_network
 from tools.mutants import Baseline, Baselines, MutantOutcome, judge, judge_all, mutants

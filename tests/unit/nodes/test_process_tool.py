@@ -11,7 +11,7 @@ import pytest
 
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
-from end_effector_hal.nodes import _start, open_tool
+from end_effector_hal.nodes import start
 from end_effector_hal.nodes.interface import Parameter
 
 
@@ -44,11 +44,11 @@ def tools(monkeypatch: pytest.MonkeyPatch) -> None:
             tool.start = tool.close = lambda: None
             return tool
 
-        monkeypatch.setattr(_start, name, made)
+        monkeypatch.setattr(start, name, made)
 
 
 def opened(node: Node, *, hosts: bool) -> Any:
-    return open_tool(cast("Any", node), hosts=hosts)
+    return start.open_tool(cast("Any", node), hosts=hosts)
 
 
 def test_hal_main_runs_the_tool_and_ends_with_it(verdin: Description, tmp_path: Path) -> None:

@@ -13,13 +13,12 @@ from pydantic import TypeAdapter
 from pydantic_core import to_json
 
 from end_effector_hal.codecs import carrier_of, load_tool, sources_of
-from end_effector_hal.control import Status
+from end_effector_hal.control import Status, load_automata
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import ReportedError
 from end_effector_hal.nodes._hal_main import Aggregate
 from end_effector_hal.page.view import ToolView
 from end_effector_hal.page.view._tool_view import STALE_US
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.runtime.boundary import STREAMED, Published, RecordedController, entry_of
 from end_effector_hal.runtime.boundary._open import header_of
 from end_effector_hal.runtime.stream import PUBLISHED

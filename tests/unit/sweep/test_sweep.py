@@ -13,8 +13,8 @@ from click.testing import CliRunner
 
 from end_effector_hal.cli._verify import command
 from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import load_automata
 from end_effector_hal.errors import DescriptionError, ReportedError, UsageError
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.lemmas import prove_tool
 from end_effector_lab.sweep import Axis, combinations, read_axis, sweep
 from end_effector_lab.workers import LocalWorkers

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.codecs import load_tool
+from end_effector_hal.control import load_automata
 from end_effector_hal.description import DeviceLibrary, LibraryDevice
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.lemmas import prove_tool
 
 HERE = ("robotiq-2f85", "robotiq-epick")

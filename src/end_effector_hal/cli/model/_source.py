@@ -64,9 +64,8 @@ class NamedNetwork:
             UsageError: two networks are named, or there is no such output.
         """
         from end_effector_hal.codecs import load_tool
-        from end_effector_hal.control import model_constants
+        from end_effector_hal.control import load_automata, model_constants
         from end_effector_hal.description import profile_path
-        from end_effector_hal.runtime import load_automata
         from timed_automata import load_network
 
         if len(two := [f"--{name}" for name in _OPTIONS if getattr(self, name) not in (None, False)]) > 1:

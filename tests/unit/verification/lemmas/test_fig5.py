@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.control import model_constants
+from end_effector_hal.control import load_automata, model_constants
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.errors import UsageError
-from end_effector_hal.runtime import load_automata
 from end_effector_hal.verification.lemmas import FIG5_FILE, compare_with_fig5, fig5_network, grips_as_fig5
 from end_effector_hal.verification.proof import prove
 from timed_automata import Network, load_network, make_network

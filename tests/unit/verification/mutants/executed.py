@@ -15,10 +15,9 @@ from random import Random
 
 import click
 
-from end_effector_hal.control import model_constants
+from end_effector_hal.control import load_automata, model_constants
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError
-from end_effector_hal.runtime import load_automata
 from tests.unit.verification.mutants.test_executors import EXECUTED, INTERFACE, play
 from timed_automata import Network, Observation, make_network
 from timed_automata.monitor import Monitor

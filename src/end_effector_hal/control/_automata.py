@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from end_effector_hal.control import Controller, network_of
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ModelError, ReportedError
 from timed_automata import Network
+
+from ._controller import Controller
+from ._network import network_of
 
 
 def load_automata(description: Description) -> Network:
