@@ -7,16 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
 from tests.support.terminal import Terminal
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 @pytest.fixture

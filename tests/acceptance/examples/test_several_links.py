@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -42,12 +41,6 @@ def test_it_is_checked_verified_demonstrated_and_replayed(tmp_path: Path) -> Non
     assert all(each["holds"] for each in proof["requirements"])
     eehal("demo", TOOL, "--no-ros", "--only", "nominal", "-o", tmp_path)
     assert "decisions, all identical" in eehal("replay", tmp_path / "nominal")
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load_tool(TOOL), "nominal", tmp_path) as world:
-        yield world
 
 
 def alarms(tool: EndEffector, what: str) -> bool:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 
 from end_effector_hal.codecs import Decoder, Ees1Ascii
-from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import EndEffectorState
@@ -42,12 +40,6 @@ class _Decoder:
     def feed(self, data: bytes, at: int) -> Any:
         frames = self._inner.feed(data, at)
         return self._codec.fault(frames) if self._codec.fault else frames
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 def levels(world: World) -> Mapping[str, bool]:

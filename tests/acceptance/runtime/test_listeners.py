@@ -6,7 +6,6 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -145,12 +144,6 @@ def test_a_listener_of_a_program_that_raises_does_not_end_it() -> None:
     assert State.GRIPPED in [status.ee for status in told]
     assert tool.arbiter.active[CYLINDER] is False
     tool.program.close()
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as running:
-        yield running
 
 
 def test_a_tool_whose_listeners_raise_and_block_grips_and_drops(world: World) -> None:

@@ -5,13 +5,11 @@ from __future__ import annotations
 import re
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import EndEffector
 from end_effector_lab.demo import World
 from end_effector_lab.processes import EEHAL
@@ -19,12 +17,6 @@ from tests.support.patience import PATIENCE_S, wait_until
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(180)]
 SECRET = "0123456789abcdef"
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path) as world:
-        yield world
 
 
 def read(url: str, secret: str = SECRET) -> tuple[str, str]:

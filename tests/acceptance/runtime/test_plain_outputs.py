@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
 from end_effector_hal.arbiter import ArbiterClient
-from end_effector_hal.description import load
 from end_effector_hal.errors import UsageError
 from end_effector_hal.runtime import EndEffector
 from end_effector_hal.vocabulary import EndEffectorState
@@ -33,14 +31,6 @@ outputs:
   lamp: {line: LAMP}
   fan: {line: FAN, on_death: keep}
 """
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    path = tmp_path / "lit.yaml"
-    path.write_text(TOOL, encoding="utf-8")
-    with World(load(path), "nominal", tmp_path) as world:
-        yield world
 
 
 @pytest.fixture

@@ -14,7 +14,6 @@ import pytest
 
 from end_effector_hal.control import Status
 from end_effector_hal.control.goals import Outcome
-from end_effector_hal.description import load
 from end_effector_hal.errors import NotReadyError, UsageError
 from end_effector_hal.runtime import EndEffector, RemoteTool, RunningGoal
 from end_effector_hal.sensing import JudgedReadings
@@ -38,14 +37,6 @@ actuators:
 outputs:
   lamp: {line: LAMP}
 """
-
-
-@pytest.fixture
-def world(tmp_path: Path) -> Iterator[World]:
-    path = tmp_path / "lit.yaml"
-    path.write_text(TOOL, encoding="utf-8")
-    with World(load(path), "nominal", tmp_path) as world:
-        yield world
 
 
 @pytest.fixture

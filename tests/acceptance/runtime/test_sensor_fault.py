@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,7 +15,6 @@ from end_effector_hal.arbiter import ArbiterClient
 from end_effector_hal.arbiter.records import Journal
 from end_effector_hal.arbiter.records._storage import FileStorage
 from end_effector_hal.control import Status
-from end_effector_hal.description import load, profile_path
 from end_effector_hal.runtime import Program, open_program
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
@@ -46,12 +45,6 @@ with ArbiterServer(VirtualLines(chip), socket, arbiter_policy(load(description))
 """
 """The line arbiter, on a disk that gives nothing back before the file ``answers`` is there."""
 PRESSURES = {"bottom": 0.0, "cylinder": 0.0, "top": 0.0, "supply": 600_000.0}
-
-
-@pytest.fixture
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with World(load(profile_path()), "nominal", tmp_path_factory.mktemp("world")) as running:
-        yield running
 
 
 def fed(program: Program, until: Callable[[Status], bool], *, unlocked: bool) -> Status:
