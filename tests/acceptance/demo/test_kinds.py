@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
+from tests.support.command import eehal, eehal_here
 from tests.support.nightly import first_of
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
@@ -16,18 +16,10 @@ HELD = {"gripper": "CLOSED", "magnet": "ON", "vacuum_switch": "CLOSED"}
 NAMES = first_of(["gripper", "magnet", "vacuum_switch"], 0, 1)
 
 
-def eehal(*args: object) -> str:
-    done = subprocess.run(
-        ["eehal", *map(str, args)], capture_output=True, text=True, timeout=200, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_it_is_checked_and_proved(name: str) -> None:
-    eehal("check", TOOLS / f"{name}.yaml")
-    proof = json.loads(eehal("verify", TOOLS / f"{name}.yaml", "--json"))
+    eehal_here("check", TOOLS / f"{name}.yaml")
+    proof = json.loads(eehal_here("verify", TOOLS / f"{name}.yaml", "--json"))
     assert proof["requirements"]
     assert all(each["holds"] for each in proof["requirements"])
 
@@ -41,5 +33,5 @@ def test_it_is_played_and_recorded_in_its_words(name: str, tmp_path: Path) -> No
     assert states[-1] == 0
     figure = (tmp_path / "nominal" / "timeline.svg").read_text("utf-8")
     assert f">{HELD[name]}<" in figure
-    told = json.loads(eehal("plot", tmp_path / "nominal", "-o", tmp_path / "again.svg", "--json"))
+    told = json.loads(eehal_here("plot", tmp_path / "nominal", "-o", tmp_path / "again.svg", "--json"))
     assert told["verdict"] == "Nominal: GRIPPED, then dropped"

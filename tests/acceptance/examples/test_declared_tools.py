@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import threading
 from pathlib import Path
 from queue import Queue
@@ -18,10 +17,10 @@ from end_effector_hal.signals import Frame
 from end_effector_hal.wires.lines import VirtualLines
 from end_effector_hal.wires.link import PtyPair
 from end_effector_hal.wires.sensors import SensorReader
-from end_effector_lab.processes import EEHAL
 from end_effector_lab.testbench import Testbench
 from end_effector_lab.testbench._ports import PtyPort
 from end_effector_lab.testbench.inputs import VirtualInputs
+from tests.support.command import eehal, eehal_here
 from tests.support.nightly import first_of
 from tests.support.patience import PATIENCE_S
 from tests.unit.virtual.test_asked_tool import ASKED
@@ -34,15 +33,11 @@ DECLARED = ("diy_text", "two_epick", "diy_record")
 COMMANDED = ("gripper_2f85", "epick_commanded", "remote_io", "remote_changer")
 
 
-def eehal(*words: object) -> str:
-    return subprocess.run([*EEHAL, *map(str, words)], capture_output=True, text=True, check=True).stdout
-
-
 @pytest.mark.parametrize("name", first_of(COMMANDED[:1] + DECLARED + COMMANDED[1:], 1, 2))
 def test_it_is_checked_and_proved(name: str) -> None:
     tool = TOOLS / name / "end_effector.yaml"
-    assert eehal("check", tool).startswith(name)
-    proof = json.loads(eehal("verify", tool, "--json"))
+    assert eehal_here("check", tool).startswith(name)
+    proof = json.loads(eehal_here("verify", tool, "--json"))
     assert all(each["holds"] for each in proof["requirements"])
 
 
@@ -50,9 +45,9 @@ def test_it_is_checked_and_proved(name: str) -> None:
 def test_it_grips_and_its_recording_decides_the_same(name: str, tmp_path: Path) -> None:
     tool = TOOLS / name / "end_effector.yaml"
     eehal("demo", tool, "--no-ros", "--only", "nominal", "-o", tmp_path)
-    told = json.loads(eehal("plot", tmp_path / "nominal", "-o", tmp_path / "again.svg", "--json"))
+    told = json.loads(eehal_here("plot", tmp_path / "nominal", "-o", tmp_path / "again.svg", "--json"))
     assert told["verdict"] == "Nominal: GRIPPED, then dropped"
-    eehal("replay", tmp_path / "nominal")
+    eehal_here("replay", tmp_path / "nominal")
 
 
 def on_virtual_wires(name: str, folder: Path) -> tuple[Description, VirtualInputs]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -17,10 +16,10 @@ from end_effector_hal.runtime import EndEffector, Refused
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires.link import LinkState
 from end_effector_lab.demo._world import World
-from end_effector_lab.processes import EEHAL
 from end_effector_lab.testbench import Testbench, open_sensors
 from end_effector_lab.testbench._ports import PtyPort
 from end_effector_lab.testbench.inputs import VirtualInputs
+from tests.support.command import eehal, eehal_here
 from tests.support.patience import wait_until
 
 from .conftest import ROOT
@@ -30,17 +29,13 @@ TOOL = ROOT / "examples/tools/two_links/end_effector.yaml"
 READY_S = 60.0
 
 
-def eehal(*words: object) -> str:
-    return subprocess.run([*EEHAL, *map(str, words)], capture_output=True, text=True, check=True).stdout
-
-
 @pytest.mark.thinned
 def test_it_is_checked_verified_demonstrated_and_replayed(tmp_path: Path) -> None:
-    assert "link      jaws: /dev/ttyACM0" in eehal("check", TOOL)
-    proof = json.loads(eehal("verify", TOOL, "--json"))
+    assert "link      jaws: /dev/ttyACM0" in eehal_here("check", TOOL)
+    proof = json.loads(eehal_here("verify", TOOL, "--json"))
     assert all(each["holds"] for each in proof["requirements"])
     eehal("demo", TOOL, "--no-ros", "--only", "nominal", "-o", tmp_path)
-    assert "decisions, all identical" in eehal("replay", tmp_path / "nominal")
+    assert "decisions, all identical" in eehal_here("replay", tmp_path / "nominal")
 
 
 def alarms(tool: EndEffector, what: str) -> bool:

@@ -16,6 +16,7 @@ from end_effector_hal.description import profile_path
 from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector
 from end_effector_lab.processes import EEHAL
+from tests.support.command import eehal, eehal_here
 from tests.support.nightly import first_of
 from tests.support.patience import wait_until
 
@@ -27,12 +28,6 @@ CODECS = [each for each in codec_names() if each not in ("gauge", "jaw-line")]
 ONES = ("double_acting_jaw", "gripper_2f85", "modbus-rtu-onrobot-vg")
 """An e-stop that is active low, no line of a board at all, a parity."""
 NAMES = (*ONES, *(each for each in (*TOOLS, *CODECS) if each not in ONES))
-
-
-def eehal(*words: object, expected: int = 0) -> str:
-    done = subprocess.run([*EEHAL, *map(str, words)], capture_output=True, text=True, check=False)
-    assert done.returncode == expected, f"{words}: {done.stdout}{done.stderr}"
-    return done.stdout
 
 
 @contextmanager
@@ -55,7 +50,7 @@ def described(name: str, folder: Path) -> Path:
     """An example, or what `eehal init` writes for a codec."""
     if name in TOOLS:
         return TOOLS[name]
-    eehal("init", folder / "new", "--actuators", "cup:vacuum", "--no-tool-changer", "--link", name)
+    eehal_here("init", folder / "new", "--actuators", "cup:vacuum", "--no-tool-changer", "--link", name)
     return folder / "new/end_effector.yaml"
 
 

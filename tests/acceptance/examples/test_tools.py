@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from end_effector_hal.runtime import EndEffector, Refused
 from end_effector_hal.vocabulary import Command, EndEffectorState, Evidence
 from end_effector_hal.wires import Claim
 from end_effector_lab.demo._world import World
-from end_effector_lab.processes import EEHAL
+from tests.support.command import eehal, eehal_here
 from tests.support.nightly import first_of
 from tests.support.patience import wait_until
 
@@ -35,18 +34,12 @@ PLAYED = (
 )
 
 
-def eehal(*words: object, expected: int = 0) -> str:
-    done = subprocess.run([*EEHAL, *map(str, words)], capture_output=True, text=True, check=False)
-    assert done.returncode == expected, done.stdout + done.stderr
-    return done.stdout
-
-
 @pytest.mark.thinned
 @pytest.mark.parametrize("name", first_of(PLAYED, 1, 0))
 def test_it_is_checked_verified_demonstrated_recorded_and_replayed(name: str, tmp_path: Path) -> None:
     tool = TOOLS / name / "end_effector.yaml"
-    assert json.loads(eehal("check", tool, "--json"))["warnings"] == []
-    proof = json.loads(eehal("verify", tool, "--json"))
+    assert json.loads(eehal_here("check", tool, "--json"))["warnings"] == []
+    proof = json.loads(eehal_here("verify", tool, "--json"))
     assert all(each["holds"] for each in proof["requirements"])
     eehal("demo", tool, "--no-ros", "--only", "nominal", "-o", tmp_path)  # 1 if it is another story
     run = tmp_path / "nominal"
@@ -54,7 +47,7 @@ def test_it_is_checked_verified_demonstrated_recorded_and_replayed(name: str, tm
     description = load_tool(tool)
     states = [row.split(",") for row in (run / "states.csv").read_text("utf-8").splitlines()]
     assert states[0][3:] == list(description.sequence)
-    assert "decisions, all identical" in eehal("replay", run)
+    assert "decisions, all identical" in eehal_here("replay", run)
 
 
 @pytest.fixture
