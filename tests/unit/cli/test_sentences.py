@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import subprocess
 
 import pytest
 
 from end_effector_hal.description import examine_text, profile_path
 from end_effector_hal.errors import DescriptionError, UsageError
-from end_effector_lab.processes import EEHAL
-from tests.support.places import DOCS, ROOT
+from tests.support.places import DOCS
+from tests.unit.conftest import Whole
 
 
 def test_every_text_that_is_listed_begins_upper_case() -> None:
@@ -37,7 +36,7 @@ def test_a_place_begins_as_it_is_written() -> None:
         (("arbiter", "--profile", "nobody"), "No profile is named 'nobody'."),
     ],
 )
-def test_what_a_command_refuses(words: tuple[str, ...], said: str) -> None:
-    done = subprocess.run([*EEHAL, *words], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stderr.startswith(said), done.stderr
+def test_what_a_command_refuses(words: tuple[str, ...], said: str, whole: Whole) -> None:
+    code, _, error = whole(*words)
+    assert code == 2
+    assert error.startswith(said), error
