@@ -6,6 +6,7 @@ import os
 import signal
 import stat
 import sys
+import threading
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -55,6 +56,22 @@ def seed_option(*, default: int | None, help: str) -> Callable[[Decorated], Deco
     return click.option(
         "--seed", default=default, metavar="N", type=type_, hidden=not lab_installed(), help=help
     )
+
+
+def drawing_option(help: str, *, default: str | None = None) -> Callable[[Decorated], Decorated]:
+    """``-o``: a folder, or the file of one drawing."""
+    return click.option(
+        "-o", "--output", metavar="DIR|FILE.(png|svg)", type=PathName(), default=default,
+        show_default=default is not None, help=help,
+    )  # fmt: skip
+
+
+def until_ended() -> threading.Event:
+    """Return the event that SIGTERM, SIGHUP and Ctrl-C set from now on."""
+    ended = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, lambda *_: ended.set())
+    return ended
 
 
 def end_in_order() -> None:

@@ -16,7 +16,7 @@ from end_effector_hal.cli.model import NamedNetwork, Source, network_options
 from end_effector_hal.errors import UsageError
 
 from ._lab import Drawing, draw_run, figures, is_figure, sweep
-from ._options import PathName
+from ._options import drawing_option
 from ._output import Progress, print_document
 
 if TYPE_CHECKING:
@@ -34,12 +34,8 @@ _MOST_STEPS, _COLUMNS, _INDENT = 12, 110, " " * 7
 @click.option(
     "--json", "as_json", is_flag=True, help="Print {requirements, bounds, ...} as JSON, all of them."
 )
-@click.option(
-    "-o",
-    "--output",
-    metavar="DIR|FILE.(png|svg)",
-    type=PathName(),
-    help="Write each counterexample there: text, states.csv, timeline; or only its timeline, into this file.",
+@drawing_option(
+    "Write each counterexample there: text, states.csv, timeline; or only its timeline, into this file."
 )
 @click.option(
     "--free-sensors",

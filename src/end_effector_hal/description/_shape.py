@@ -124,32 +124,14 @@ class Facts:
     places: Places
     broken: set[Keys] = field(default_factory=set)
 
-    def fault(
-        self,
-        path: Keys,
-        code: str,
-        what: str,
-        expected: str = "",
-        *,
-        hint: str = "",
-        found: str | None = None,
-    ) -> Fault:
-        """Return a fault at a value; the offending text is that of the value unless ``found`` is given."""
-        return Fault.at(self.places.value(*path), code, what, expected=expected, hint=hint, found=found)
+    def fault(self, path: Keys, code: str, what: str, expected: str = "", **more: str) -> Fault:
+        """Return a fault at a value; ``more``: the ``hint``, and what is ``found`` if that is not its text."""
+        return Fault.at(self.places.value(*path), code, what, expected=expected, **more)
 
-    def key_fault(
-        self,
-        path: Keys,
-        code: str,
-        what: str,
-        expected: str = "",
-        *,
-        hint: str = "",
-        found: str | None = None,
-    ) -> Fault:
-        """Return a fault at a key, whatever its value is; the offending text is the key unless ``found`` is given."""
-        found = str(path[-1]) if found is None else found
-        return Fault.at(self.places.key(*path), code, what, expected=expected, hint=hint, found=found)
+    def key_fault(self, path: Keys, code: str, what: str, expected: str = "", **more: str) -> Fault:
+        """Return a fault at a key, whatever its value is: what is found is the key, unless ``more`` says otherwise."""
+        more = {"found": str(path[-1]), **more}
+        return Fault.at(self.places.key(*path), code, what, expected=expected, **more)
 
     def written(self, *path: str | int) -> bool:
         """Return whether the key is written in the file."""

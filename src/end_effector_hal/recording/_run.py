@@ -140,16 +140,13 @@ class RunInfo:
         left_out += () if self.violated else _OF_COUNTEREXAMPLES
         content: dict[str, Any] = {"schema_version": SCHEMA_VERSION}
         content |= {item.name: getattr(self, item.name) for item in fields(self) if item.name not in left_out}
-        content["actuators"] = dict(self.actuators)
-        content["limits"] = {name: dict(limit) for name, limit in self.limits.items()}
-        content["switches"] = {name: dict(each) for name, each in self.switches.items()}
         if self.violated:
             content["watched"] = [each.document() for each in self.watched]
         beside = path.with_name(f".{RunFile.INFO}.{os.getpid()}")
         try:
             fd = open_owned(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
             with os.fdopen(fd, "w", encoding="utf-8") as file:
-                file.write(json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+                file.write(json.dumps(content, indent=2, ensure_ascii=False, default=dict) + "\n")
                 file.flush()
                 os.fsync(file.fileno())
             beside.replace(path)

@@ -10,7 +10,7 @@ import click
 
 from end_effector_hal.cli._completion import completed
 from end_effector_hal.cli._lab import figures, is_figure, save_all
-from end_effector_hal.cli._options import PathName, the_folder, write_or_print
+from end_effector_hal.cli._options import PathName, drawing_option, the_folder, write_or_print
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._check import check
 from end_effector_hal.cli.model._simulate import simulate
@@ -67,15 +67,7 @@ def command() -> None:
 
 @command.command(short_help="Draw each template as UPPAAL shows it.")
 @network_options("model", "coils", "registers", "deaths")
-@click.option(
-    "-o",
-    "--output",
-    default="runs/model",
-    show_default=True,
-    metavar="DIR|FILE.(png|svg)",
-    type=PathName(),
-    help="Folder of the drawings, or the file of one.",
-)
+@drawing_option("Folder of the drawings, or the file of one.", default="runs/model")
 @click.option(
     "--template", metavar="NAME", shell_complete=completed(_template_names), help="Draw only this one."
 )

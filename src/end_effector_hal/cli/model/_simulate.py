@@ -10,7 +10,7 @@ from random import Random
 import click
 
 from end_effector_hal.cli._lab import Drawing, draw_run, figures, is_figure
-from end_effector_hal.cli._options import PathName, the_folder, write_whole
+from end_effector_hal.cli._options import drawing_option, the_folder, write_whole
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._source import NamedNetwork, Source, network_options
 from end_effector_hal.control import word_of
@@ -33,12 +33,8 @@ NO_STATES = "The model has no variables ee, command and actuator[], so there is 
     "--for", "seconds", type=click.FloatRange(0, _LONGEST_S), metavar="SECONDS", help="Length of the run."
 )
 @click.option("--choose", default="", metavar="'…; …'", help="What happens first; see above.")
-@click.option(
-    "-o",
-    "--output",
-    metavar="DIR|FILE.(png|svg)",
-    type=PathName(),
-    help="Folder for run.txt, states.csv, events.csv, run.json and the timeline; or the file of the timeline alone.",
+@drawing_option(
+    "Folder for run.txt, states.csv, events.csv, run.json and the timeline; or the file of the timeline alone."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the run as JSON.")
 def simulate(

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 from pathlib import Path
 from queue import SimpleQueue
 
 import click
 
 from end_effector_hal.cli._completion import client_words, completed
-from end_effector_hal.cli._options import PathName, end_in_order
+from end_effector_hal.cli._options import PathName, end_in_order, until_ended
 from end_effector_hal.errors import UsageError
 
 from ._opening import limit_options, own_folder, record_into
@@ -118,9 +116,7 @@ def record(description: Path, folder: Path, segment_mb: float, keep_mb: float) -
     from end_effector_hal.recording import Recording, RecordingLimits
     from end_effector_hal.runtime import EndEffector, RemoteTool
 
-    ended = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-        signal.signal(number, lambda *_: ended.set())
+    ended = until_ended()
     with EndEffector.connect(description):
         pass  # a HAL runs it
     tool = RemoteTool(load_tool(description))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from end_effector_hal.cli._completion import completed, session_words
-from end_effector_hal.cli._options import end_in_order
+from end_effector_hal.cli._options import end_in_order, until_ended
 from end_effector_hal.errors import NotReadyError, ReportedError, UsageError
 
 from ._opening import NOT_SIMULATED, Wanted, open_tool, tool_options
@@ -144,10 +142,8 @@ def serve(as_json: bool, **options: Any) -> None:
     from ._voices import JsonLines, Words
 
     voice = JsonLines() if as_json else Words()
-    wanted, ended = Wanted(**options), threading.Event()
-    record = wanted.own_folder()
-    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-        signal.signal(number, lambda *_: ended.set())
+    wanted = Wanted(**options)
+    record, ended = wanted.own_folder(), until_ended()
     with ExitStack() as stack:
         tool = open_tool(stack, wanted, record, voice, shown=False).tool
         if not as_json:

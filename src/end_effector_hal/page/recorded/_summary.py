@@ -44,29 +44,19 @@ def summary(
     story = read_story(tables.log, tables.info)
     bounds, goals = tool.durations, list[dict[str, Any]]()
     for grip in story.grips:
-        failed = grip.decision is not GripDecision.GRIPPED
-        why = [str(attempt) for attempt in grip.failed]
-        if failed and grip.decided_s is not None:
-            why += reason(grip.decided_s)
-        took_s = None if grip.decided_s is None else grip.decided_s - grip.start_s
-        row = _goal(
-            grip.start_s, f"Grip {grip.part}".rstrip(), str(grip.decision), took_s, bounds.grip_ms, why
-        )
-        goals.append(row | {"ok": not failed})
+        ok, why = grip.decision is GripDecision.GRIPPED, [str(attempt) for attempt in grip.failed]
+        why += reason(grip.decided_s) if not ok and grip.decided_s is not None else []
+        what, ended = f"Grip {grip.part}".rstrip(), str(grip.decision)
+        goals.append(_goal(grip.start_s, grip.decided_s, what, ended, bounds.grip_ms, why, ok=ok))
     for release in story.releases:
         bound_ms = bounds.cancel_ms if release.cause is ReleaseCause.CANCEL else bounds.release_ms
-        took_s = None if release.end_s is None else release.end_s - release.start_s
         ended = "UNFINISHED" if release.ended is None else release.ended.label
-        bad = release.ended is None or release.ended in _BAD
-        why = reason(release.end_s) if bad and release.end_s is not None else []
-        goals.append(
-            _goal(release.start_s, _CAUSES[release.cause], ended, took_s, bound_ms, why) | {"ok": not bad}
-        )
+        ok, end_s = release.ended is not None and release.ended not in _BAD, release.end_s
+        why = reason(end_s) if not ok and end_s is not None else []
+        goals.append(_goal(release.start_s, end_s, _CAUSES[release.cause], ended, bound_ms, why, ok=ok))
     for loss in story.losses:
-        why = reason(loss.time_s)
-        goals.append(
-            _goal(loss.time_s, f"{loss.who or 'The part'} was lost", "LOST", None, None, why) | {"ok": False}
-        )
+        what, why = f"{loss.who or 'The part'} was lost", reason(loss.time_s)
+        goals.append(_goal(loss.time_s, None, what, "LOST", None, why, ok=False))
     goals.sort(key=lambda goal: goal["at_s"])
     return {
         "story": story.verdict,
@@ -78,15 +68,23 @@ def summary(
 
 
 def _goal(
-    at_s: float, what: str, outcome: str, took_s: float | None, bound_ms: int | None, why: list[str]
+    at_s: float,
+    end_s: float | None,
+    what: str,
+    outcome: str,
+    bound_ms: int | None,
+    why: list[str],
+    *,
+    ok: bool,
 ) -> dict[str, Any]:
     return {
         "at_s": round(at_s, 3),
         "what": what,
         "outcome": outcome,
-        "took_s": None if took_s is None else round(took_s, 3),
+        "took_s": None if end_s is None else round(end_s - at_s, 3),
         "at_most_s": None if bound_ms is None else bound_ms / 1000,
         "why": why,
+        "ok": ok,
     }
 
 

@@ -34,14 +34,16 @@ class PageAddress:
     @property
     def url(self) -> str:
         """The printed address, which grants access by its token."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"http://{self.names[0] if self.names else host}:{self.port}/?token={self.token}"
+        return f"http://{self.names[0] if self.names else self._own}:{self.port}/?token={self.token}"
+
+    @property
+    def _own(self) -> str:
+        return f"[{self.host}]" if ":" in self.host else self.host
 
     @property
     def hosts(self) -> frozenset[str]:
         """The values allowed in ``Host``; any other name may be a foreign one, rebound to this address."""
-        own = f"[{self.host}]" if ":" in self.host else self.host
-        names = {own, *self.names, *(LOOPBACK if self.loopback else ())}
+        names = {self._own, *self.names, *(LOOPBACK if self.loopback else ())}
         return frozenset(f"{name}:{self.port}".lower() for name in names)
 
     @property
