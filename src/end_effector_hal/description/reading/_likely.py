@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from dataclasses import dataclass
 from typing import Any, get_origin
 
 from pydantic import ValidationError
@@ -15,15 +14,6 @@ from end_effector_hal.description.model._description import Description
 from end_effector_hal.kinds.stanza import NO_CHANNEL, BaseStanza
 
 
-@dataclass(frozen=True)
-class WrongKey:
-    """A wrong top-level key, the key that was probably meant, and the fault."""
-
-    key: str
-    meant: str
-    fault: Fault
-
-
 def read_as_meant(tree: dict[str, Any], places: Places) -> list[Fault]:
     """Rename each wrong top-level key in the tree and in the places, and return the faults of these keys.
 
@@ -33,10 +23,11 @@ def read_as_meant(tree: dict[str, Any], places: Places) -> list[Fault]:
     for key in sorted(tree, key=lambda key: isinstance(tree[key], list)):  # a list may name the actuators
         wrong = _link_for_links(key, tree, places) or _misspelt(key, tree, places)
         if wrong is not None:
-            found.append(wrong.fault)
-            tree[wrong.meant] = tree.pop(key)
-            _move(places.keys, key, wrong.meant)
-            _move(places.values, key, wrong.meant)
+            meant, fault = wrong
+            found.append(fault)
+            tree[meant] = tree.pop(key)
+            _move(places.keys, key, meant)
+            _move(places.values, key, meant)
     return found
 
 
@@ -45,8 +36,8 @@ def _move(places: dict[Keys, Place], key: str, meant: str) -> None:
         places[(meant, *path[1:])] = places.pop(path)
 
 
-def _link_for_links(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None:
-    """Return the fault of several named links under ``link``, or of the keys of one link under ``links``."""
+def _link_for_links(key: str, tree: dict[str, Any], places: Places) -> tuple[str, Fault] | None:
+    """Return what was meant, and the fault: several named links under ``link``, or one link's keys under ``links``."""
     meant = {"link": "links", "links": "link"}.get(key)
     if (
         meant is None
@@ -61,10 +52,10 @@ def _link_for_links(key: str, tree: dict[str, Any], places: Places) -> WrongKey 
     if meant == "link":
         what, expected = f"'links' has links by name, and these are keys of one ({inside})", "link: one link"
     fault = Fault.at(places.key(key), "EE-228", what, found="", expected=expected, hint=f"write {meant}")
-    return WrongKey(key, meant, fault)
+    return meant, fault
 
 
-def _misspelt(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None:
+def _misspelt(key: str, tree: dict[str, Any], places: Places) -> tuple[str, Fault] | None:
     if key in fields_of(Description):
         return None
     value, free = tree[key], fields_of(Description).keys() - tree.keys()
@@ -77,9 +68,7 @@ def _misspelt(key: str, tree: dict[str, Any], places: Places) -> WrongKey | None
         return None
     found = f"{key}:" if isinstance(value, dict | list) else f"{key}: {places.value(key).text}"
     what, expected, hint = f"unknown key {key!r}", "a key of the description", f"did you mean {likely!r}?"
-    return WrongKey(
-        key, likely, Fault.at(places.key(key), "EE-205", what, found=found, expected=expected, hint=hint)
-    )
+    return likely, Fault.at(places.key(key), "EE-205", what, found=found, expected=expected, hint=hint)
 
 
 def _fits(key: str, value: object) -> bool:

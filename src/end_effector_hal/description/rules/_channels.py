@@ -30,11 +30,6 @@ class Use:
     thresholds: tuple[tuple[str, float], ...] = ()
 
 
-def uses(description: Description) -> tuple[Use, ...]:
-    """Return every channel that a description needs, defaults included, but no `NO_CHANNEL`."""
-    return tuple(_uses(description))
-
-
 def used_channels(description: Description) -> tuple[str, ...]:
     """Return the names of the channels that a description needs, without repetition.
 
@@ -42,10 +37,11 @@ def used_channels(description: Description) -> tuple[str, ...]:
 
     Other channels of a link do not matter to this tool.
     """
-    return tuple(dict.fromkeys(use.channel for each in description.per_part for use in _uses(each)))
+    return tuple(dict.fromkeys(use.channel for each in description.per_part for use in uses(each)))
 
 
-def _uses(description: Description) -> Iterator[Use]:
+def uses(description: Description) -> Iterator[Use]:
+    """Yield every channel that a description needs, defaults included, but no `NO_CHANNEL`."""
     for name, each in description.ordered:
         for asked in kind_of(each).channels:
             # what evidence replaces is not asked for by default
