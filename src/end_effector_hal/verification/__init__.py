@@ -5,15 +5,16 @@ Here a run of a model becomes the recording that a real run with the same states
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from end_effector_hal.control import EventReader
-from end_effector_hal.errors import UsageError
+from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.recording import (
     EventRow,
     EventsWriter,
     RunFile,
+    RunInfo,
     StatesLog,
     StatesRow,
     StatesWriter,
@@ -57,12 +58,32 @@ def states_of(trace: Trace, actuators: Sequence[str] = ()) -> StatesLog:
     return StatesLog(names, tuple(rows), events=_events(trace, names))
 
 
-def write_states(log: StatesLog, folder: Path) -> list[Path]:
-    """Write ``states.csv`` and ``events.csv`` of a model run; existing files are replaced.
+Draw = Callable[[StatesLog, RunInfo, Path], list[Path]]
+"""Writes the timeline of a run into a folder; returns its files."""
+
+
+def write_run(
+    folder: Path, lines: Iterable[str], run: tuple[StatesLog, RunInfo] | None, draw: Draw
+) -> list[Path]:
+    """Write a run of a model as ``run.txt``, and its states as a recording has them; existing files are replaced.
+
+    Args:
+        folder: made if it is missing.
+        lines: the run as text.
+        run: its states, and what ``run.json`` says of them; None: the model has no states.
+        draw: draws the timeline of the states.
 
     Raises:
         UsageError: the files cannot be written.
     """
+    text = folder / "run.txt"
+    with os_errors("Cannot be written", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        text.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    if run is None:
+        return [text]
+    log, info = run
+    described = info.write(folder)  # first: it says whose the others are
     states, events = folder / RunFile.STATES, folder / RunFile.EVENTS
     for each in (states, events):
         each.unlink(missing_ok=True)
@@ -71,7 +92,7 @@ def write_states(log: StatesLog, folder: Path) -> list[Path]:
             writer.write(row.time_s, row.end_effector, row.command, row.actuators)
     with EventsWriter(events, log.actuators) as table:
         table.write(log.events or ())
-    return [states, events]
+    return [text, states, events, described, *draw(log, info, folder)]
 
 
 def _events(trace: Trace, names: Sequence[str]) -> tuple[EventRow, ...]:

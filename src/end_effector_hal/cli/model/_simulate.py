@@ -10,13 +10,13 @@ from random import Random
 import click
 
 from end_effector_hal.cli._lab import Drawing, draw_run, figures, is_figure
-from end_effector_hal.cli._options import drawing_option, the_folder, write_whole
+from end_effector_hal.cli._options import drawing_option, the_folder
 from end_effector_hal.cli._output import Progress, print_document
 from end_effector_hal.cli.model._source import NamedNetwork, Source, network_options
 from end_effector_hal.control import word_of
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import MODEL_RUN, check_replaceable
-from end_effector_hal.verification import has_states, states_of, write_states
+from end_effector_hal.verification import has_states, states_of, write_run
 from timed_automata import Trace, TraceStep
 from timed_automata.simulate import parse_choices
 from timed_automata.simulate import simulate as play
@@ -82,22 +82,14 @@ def _written(source: Source, trace: Trace, seed: int, output: Path) -> tuple[lis
     """Write the files of a run; return them, and the reason if there is no figure."""
     names = source.description.sequence if source.description is not None else ()
     scenario = f"{MODEL_RUN}, seed {seed}"
+    run = (states_of(trace, names), source.run_info(scenario)) if has_states(source.network) else None
     if is_figure(output):
-        if not has_states(source.network):
+        if run is None:
             raise UsageError(NO_STATES, where=str(output), todo="Name a folder: it gets the run as text.")
-        log, info = states_of(trace, names), source.run_info(scenario)
-        return [draw_run(log, info, output)], ""
-    folder = the_folder(output)
-    text = folder / "run.txt"
-    write_whole(text, ("\n".join(trace.lines) + "\n").encode())
-    files = [text]
-    if not has_states(source.network):
-        return files, NO_STATES
-    log, info = states_of(trace, names), source.run_info(scenario)
-    described = info.write(folder)  # first: it says whose the others are
-    files += [*write_states(log, folder), described]
+        return [draw_run(*run, output)], ""
     draw = Drawing()
-    return [*files, *draw(log, info, folder)], draw.note
+    files = write_run(the_folder(output), trace.lines, run, draw)
+    return files, NO_STATES if run is None else draw.note
 
 
 def _document(source: Source, trace: Trace, seed: int, files: list[Path], note: str) -> dict[str, object]:

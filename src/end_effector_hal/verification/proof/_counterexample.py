@@ -5,14 +5,14 @@ It also explains in words why a requirement does not hold, with the values that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
-from end_effector_hal.errors import RangeError, os_errors
+from end_effector_hal.errors import RangeError
 from end_effector_hal.recording import COUNTEREXAMPLE, RunInfo, StatesLog, Watched, check_replaceable
-from end_effector_hal.verification import has_states, states_of, write_states
+from end_effector_hal.verification import Draw, has_states, states_of, write_run
 from end_effector_hal.verification.proof._finding import Finding
 from timed_automata import Network
 from timed_automata.explain import Explanation, Names, WatchedClock, explain, explain_time
@@ -45,9 +45,6 @@ def why(finding: Finding, names: Names) -> Explanation:
         return Explanation(f"{trace.remark.rstrip('.')}.", ())
 
 
-Draw = Callable[[StatesLog, RunInfo, Path], list[Path]]
-
-
 def write_counterexample(
     finding: Finding, folder: str | Path, info: RunInfo, draw: Draw, actuators: Sequence[str] = ()
 ) -> list[Path]:
@@ -68,16 +65,8 @@ def write_counterexample(
         return []
     place = Path(folder) / finding.id
     check_replaceable(place)
-    with os_errors("Cannot be written", place):
-        place.mkdir(parents=True, exist_ok=True)
-        text = place / "run.txt"
-        lines = (finding.sentence, finding.query, "", *told_run(finding, actuators), "")
-        text.write_text("\n".join(lines), encoding="utf-8")
-    if (run := counterexample_run(finding, info, actuators)) is None:
-        return [text]
-    log, info = run
-    described = info.write(place)  # first: it says whose the others are
-    return [text, *write_states(log, place), described, *draw(log, info, place)]
+    lines = (finding.sentence, finding.query, "", *told_run(finding, actuators))
+    return write_run(place, lines, counterexample_run(finding, info, actuators), draw)
 
 
 def told_run(finding: Finding, actuators: Sequence[str] = ()) -> list[str]:
