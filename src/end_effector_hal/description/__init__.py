@@ -9,8 +9,7 @@ from ._content import content_hash, hash_of
 from ._fault import CODES, Fault, did_you_mean
 from ._paths import profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
-from .devices._device import CONFIRMED, LibraryDevice
-from .devices._library import DeviceLibrary
+from .devices._library import CONFIRMED, DeviceLibrary, LibraryDevice
 from .model._channels import (
     NUMBER,
     QUANTITIES,

@@ -28,8 +28,7 @@ from end_effector_hal.description._address import has_line
 from end_effector_hal.description._fault import Fault, Keys, Place, Places, UsedDevice
 from end_effector_hal.description.model._channels import Channel
 
-from ._device import LibraryDevice, renamed
-from ._library import DeviceLibrary
+from ._library import DeviceLibrary, LibraryDevice, renamed
 
 SERIAL = ("baudrate", "parity", "stopbits")
 """Keys of a link that mean nothing over a network."""

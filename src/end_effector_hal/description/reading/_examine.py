@@ -14,11 +14,10 @@ from end_effector_hal.description.devices._expand import expand
 from end_effector_hal.description.model._description import Description
 from end_effector_hal.description.rules._declared import channel_faults
 from end_effector_hal.description.rules._frames import frame_faults
-from end_effector_hal.description.rules._order import order_faults
 from end_effector_hal.description.rules._outputs import output_faults
 from end_effector_hal.description.rules._parts import activation_faults, part_faults, whole_parts
 from end_effector_hal.description.rules._shared import shared_faults
-from end_effector_hal.description.rules._stanzas import limit_faults, rule_faults
+from end_effector_hal.description.rules._stanzas import limit_faults, order_faults, rule_faults
 from end_effector_hal.errors import DescriptionError, Diagnostic
 
 from ._explain import explain, likely_kind, meant, no_kind, why_not
