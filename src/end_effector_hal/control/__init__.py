@@ -8,6 +8,7 @@ from ._last_wills import GripLastWill, changer_will, ending_in_words, maintenanc
 from ._network import network_of
 from ._status import Answer, Status, StepReport, unknown_now
 from .words import (
+    event_line,
     event_lines,
     event_text,
     held_words,
@@ -32,6 +33,7 @@ __all__ = [
     "ToolEvent",
     "changer_will",
     "ending_in_words",
+    "event_line",
     "event_lines",
     "event_text",
     "held_words",

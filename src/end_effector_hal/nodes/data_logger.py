@@ -19,9 +19,9 @@ from end_effector_hal.signals import Frame, StampGate
 from end_effector_hal.vocabulary import LONGEST_NAME, Cause, Command, printable, received_alarms
 from end_effector_hal.wires import now_us
 
-from .start import recording_limits
 from .interface import DATA_LOGGER, DIRECTORY, END_EFFECTOR_STATE, SUPERVISOR_COMMANDS
 from .report import ERROR, OK, Health, publish_health
+from .start import recording_limits
 from .transport import CommandMessage, NodeTransport, StateMessage
 
 HEADER = "time_s,command,part\n"

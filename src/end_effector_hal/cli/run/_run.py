@@ -133,16 +133,18 @@ def serve(as_json: bool, **options: Any) -> None:
 
     The death of one of these programs does not affect the tool: a grip continues. The line arbiter of the tool
     (`eehal arbiter DESCRIPTION`) must run. With --simulate no arbiter is needed; the service prints the path of the
-    simulated tool, which these programs need then. The service prints the same lines as `eehal run`. At its end the
-    line arbiter does what the description declares (`endings: sigterm`).
+    simulated tool, which these programs need then. The service prints the same lines as `eehal run`; under systemd
+    they are in the journal with fields (`journalctl EEHAL_TOOL=my_tool EEHAL_EVENT=TimedOut`). At its end the line
+    arbiter does what the description declares (`endings: sigterm`).
 
     Exit codes: 0 ended by SIGTERM, SIGHUP or Ctrl-C; 1 the program of the tool has failed; 2 the description has a
     fault; 3 the line arbiter or the sensors cannot be reached.
     """
+    from ._journal import journal_of
     from ._voices import JsonLines, Words
 
-    voice = JsonLines() if as_json else Words()
     wanted = Wanted(**options)
+    voice = JsonLines() if as_json else Words(journal=journal_of(wanted.description))
     record, ended = wanted.own_folder(), until_ended()
     with ExitStack() as stack:
         tool = open_tool(stack, wanted, record, voice, shown=False).tool

@@ -11,7 +11,7 @@ from typing import Any, Self
 import click
 
 from end_effector_hal.cli._output import json_text
-from end_effector_hal.control import Answer, EventKind, Status, event_lines, refused, unanswered
+from end_effector_hal.control import Answer, EventKind, Status, event_line, refused, unanswered
 from end_effector_hal.control.goals import CHANNELS, Outcome
 from end_effector_hal.description import Description
 from end_effector_hal.errors import ReportedError
@@ -29,6 +29,7 @@ from end_effector_hal.vocabulary import (
 from end_effector_hal.wires import now_us
 
 from ._causes import Causes
+from ._journal import SystemdJournal, alarm_fields, event_fields
 
 _ENDED = {
     Outcome.SUCCEEDED: "succeeded",
@@ -36,6 +37,8 @@ _ENDED = {
     Outcome.UNREACHABLE: "outcome unknown",
 }
 CAUGHT_UP_S = 1.0
+Fields = Mapping[str, str]
+NO_FIELDS: Fields = {}
 SCENARIO = "SCENARIO"
 """Name of the command that selects another scenario; its answer is the scenario."""
 
@@ -84,12 +87,18 @@ class Words:
         write: prints a line; ``err``: on stderr; raises OSError.
         timed: whether each line begins with its time.
         begun: time of the start, µs; None: now.
+        journal: gets the lines with their fields instead of ``write``.
     """
 
     def __init__(
-        self, write: Callable[..., None] = click.echo, *, timed: bool = False, begun: int | None = None
+        self,
+        write: Callable[..., None] = click.echo,
+        *,
+        timed: bool = False,
+        begun: int | None = None,
+        journal: SystemdJournal | None = None,
     ) -> None:
-        self._write, self._timed = write, timed
+        self._write, self._timed, self._journal = write, timed, journal
         self._clock = _Clock(begun)
         self._common, self._worse = Allowance(), Allowance()
 
@@ -98,9 +107,9 @@ class Words:
         states = ", ".join(f"{display_name(name)} {each}" for name, each in actuators.items())
         self._paced(self._common, f"{ee}: {states}", at)
 
-    def event(self, at: int, text: str) -> None:
+    def event(self, at: int, text: str, fields: Fields = NO_FIELDS) -> None:
         """Print a transition or a time-out."""
-        self._paced(self._common, text, at)
+        self._paced(self._common, text, at, fields=fields)
 
     def alarm(self, at: int, alarm: Alarm, *, over: bool) -> None:
         """Print the begin or the end of an alarm in one line."""
@@ -110,6 +119,7 @@ class Words:
             at,
             urgent=True,
             fg=None if over else "yellow",
+            fields=alarm_fields(alarm, over=over),
         )
 
     def result(self, command: Command, result: Result) -> None:
@@ -155,9 +165,7 @@ class Words:
         """Print the error as a sentence."""
         self._say(error.sentence, err=True, timed=False)
 
-    def _paced(
-        self, allowance: Allowance, text: str, at: int, *, urgent: bool = False, fg: str | None = None
-    ) -> None:
+    def _paced(self, allowance: Allowance, text: str, at: int, *, urgent: bool = False, **how: Any) -> None:
         """Print an event that no command caused, at a bounded rate: a flickering reading must not flood the
         terminal.
         """
@@ -167,7 +175,7 @@ class Words:
                 f"{left_out} lines were left out: there were more than {PER_S:g} a second.", at, urgent=urgent
             )
         if left_out is not None:
-            self._say(text, at, urgent=urgent, fg=fg)
+            self._say(text, at, urgent=urgent, **how)
 
     def _say(
         self,
@@ -178,18 +186,19 @@ class Words:
         urgent: bool = False,
         fg: str | None = None,
         timed: bool = True,
+        fields: Fields = NO_FIELDS,
     ) -> None:
-        write = ignore_broken_output(self._write)
         with self._clock as clock:
+            if self._journal is not None:
+                self._journal.send(text, fields, error=err)
+                return
             stamp = f"{clock.seconds(at):9.3f} s  " if timed and self._timed else ""
             line = f"{stamp}{click.style(text, fg=fg) if self._timed and fg else text}"
-            if not urgent:
-                write(line, err=err)
-                return
             try:
-                self._write(line, err=False)
-            except OSError:
-                write(line, err=True)
+                self._write(line, err=err)
+            except (OSError, MemoryError):
+                if urgent:
+                    ignore_broken_output(self._write)(line, err=True)
 
     def _steps(self, result: Result) -> Iterator[str]:
         for step in result.steps:
@@ -215,7 +224,7 @@ class JsonLines:
         told = {name: value for name, value in entry.items() if name != "at"}
         self._print("transition", entry["at"], **told)
 
-    def event(self, at: int, text: str) -> None:
+    def event(self, at: int, text: str, _fields: Fields = NO_FIELDS) -> None:
         """Print an event with the same words as for people."""
         self._print("log", at, text=text)
 
@@ -341,8 +350,11 @@ class Changes:
         if self._causes is not None and isinstance(self._voice, JsonLines):
             for entry in self._causes.new():
                 self._voice.transition(entry)
-        for line in event_lines(self._description, status):
-            self._voice.event(status.at, line)
+        for event in status.events:
+            if line := event_line(self._description, status, event):
+                self._voice.event(
+                    status.at, line, event_fields(self._description.for_part(status.part), event)
+                )
         now, before = self._labels(status), self._last
         self._last = now
         # in words the transition has said it already; a HAL that is lost or back has none

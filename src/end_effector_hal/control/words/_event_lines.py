@@ -37,10 +37,13 @@ def unanswered(what: str, why: str) -> str:
 
 def event_lines(description: Description, status: Status) -> Iterator[str]:
     """Yield the lines for the events that led to a status, in order of time."""
+    yield from filter(None, (event_line(description, status, event) for event in status.events))
+
+
+def event_line(description: Description, status: Status, event: ToolEvent) -> str:
+    """Return the line for one event of a status; empty: it has none."""
     tool = description.for_part(status.part)
-    for event in status.events:
-        if (text := event_text(tool, event)) or (text := _transition(description, status, event)):
-            yield text
+    return event_text(tool, event) or _transition(description, status, event)
 
 
 def event_text(description: Description, event: ToolEvent) -> str:
