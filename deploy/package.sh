@@ -19,7 +19,8 @@ for unit in "$here"/systemd/*@.service; do
     program=$(sed -n 's|^AssertPathExists=\(/opt/.*\)|\1|p' "$unit")
     [ -z "$program" ] || [ -e "$DESTDIR$program" ] || continue
     install -D -m 644 "$unit" "$units/$name"
-    [ "$name" = eehal-arbiter@.service ] || install -D -m 644 "$here/systemd/common.conf" "$units/$name.d/common.conf"
+    # first, so that a unit can change what is common
+    [ "$name" = eehal-arbiter@.service ] || cat "$here/systemd/common.conf" "$unit" >"$units/$name"
 done
 for kind in sysusers tmpfiles; do
     install -D -m 644 "$here/systemd/eehal.$kind" "$DESTDIR/usr/lib/$kind.d/eehal.conf"

@@ -27,7 +27,7 @@ def unit(name: str) -> configparser.ConfigParser:
     """A unit, of which keys that stand twice are joined."""
     parser = configparser.ConfigParser(strict=False, interpolation=None)
     parser.optionxform = str  # type: ignore[assignment,method-assign]
-    parser.read([DEPLOY / "systemd" / name, *([] if name == ARBITER else [COMMON])])
+    parser.read([*([] if name == ARBITER else [COMMON]), DEPLOY / "systemd" / name])
     return parser
 
 
@@ -43,18 +43,16 @@ def test_systemd_reads_the_units_without_a_word(tmp_path: Path) -> None:
     paths = []
     for path in UNITS:
         # the programs are not installed here
+        common = "" if path.name == ARBITER else COMMON.read_text()
         text = re.sub(
             r"^(ExecStart|ExecReload)=/opt/eehal/bin/\S+",
             r"\1=/bin/true",
-            path.read_text(),
+            common + path.read_text(),
             flags=re.MULTILINE,
         )
         instance = tmp_path / path.name.replace("@", "@my_tool")
         instance.write_text(text)
         paths.append(instance)
-        (tmp_path / f"{instance.name}.d").mkdir()
-        if path.name != ARBITER:
-            shutil.copy(COMMON, tmp_path / f"{instance.name}.d")
     result = subprocess.run(
         ["systemd-analyze", "verify", "--man=no", *map(str, paths)],
         capture_output=True,
@@ -139,7 +137,9 @@ def test_the_programs_and_options_of_the_units_exist() -> None:
             r"^Exec(?:Start|Reload)=/opt/eehal/bin/(.*)$", path.read_text(), re.MULTILINE
         ):
             program, *words = command.replace("%i", "tool").replace("$EEHAL_OPTIONS", "").split()
-            if program == "eehal":
+            if program == "python":
+                assert (path.name, words) == ("eehal-program@.service", ["/etc/eehal/tool.py"])
+            elif program == "eehal":
                 found = eehal.get_command(click.Context(eehal), words[0])
                 assert found, words[0]
                 found.make_context(words[0], words[1:], resilient_parsing=True)
@@ -152,6 +152,13 @@ def test_the_programs_and_options_of_the_units_exist() -> None:
                 assert f"AssertPathExists=/opt/eehal/bin/{program}\n" in path.read_text(), (
                     "where it was built"
                 )
+
+
+def test_a_program_is_not_started_again_by_itself() -> None:
+    """After a crash it would move the tool although nobody is there."""
+    program = unit("eehal-program@.service")
+    assert program["Service"]["Restart"] == "no"
+    assert program["Unit"]["AssertPathExists"] == "/etc/eehal/%i.py", "its name is not that of a tool"
 
 
 @pytest.mark.parametrize("restart", ["postinst", "prerm"])
