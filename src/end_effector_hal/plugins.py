@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import sys
 import threading
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from end_effector_hal._extras import missing_extra
@@ -14,10 +16,20 @@ from end_effector_hal.errors import MissingExtraError, UsageError
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint, EntryPoints
 
+FOLDER = Path(sys.prefix) / "plugins"
+"""What `eehal plugin add` has put into this environment, a folder for each."""
 LONGEST = 200
 LOAD_S = 15.0
 """Longest time for the import of another distribution's plug-in, s."""
 Plugin = TypeVar("Plugin")
+
+
+def added_folders() -> tuple[Path, ...]:
+    """Return the folder of each plug-in that `eehal plugin add` has added; from then on they are in `sys.path`."""
+    found = tuple(sorted(each for each in FOLDER.glob("[!.]*") if each.is_dir()))
+    # last: they hide nothing
+    sys.path += [str(each) for each in found if str(each) not in sys.path]
+    return found
 
 
 class Plugins(Generic[Plugin]):
@@ -120,6 +132,7 @@ class Plugins(Generic[Plugin]):
         return loaded() if self._make and isinstance(loaded, type) else loaded
 
     def _added(self) -> EntryPoints:
+        added_folders()
         found: EntryPoints = importlib.import_module("importlib.metadata").entry_points(group=self._group)
         return found
 

@@ -45,6 +45,7 @@ _COMMANDS: dict[str, dict[str, str]] = {
         "tune": "",
         "testbench": "",
         "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
+        "plugin": "codecs, kinds and commands of your own in this environment",
         "completion": "shell completion of commands and values",
     },
     "To prove, try out and judge it (researchers)": {
@@ -81,7 +82,7 @@ _UNWRITABLE = (*NO_ROOM, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _PLACES = {
     **{name: f"_arbiter:{name}" for name in ("arbiter", "reload", "reset", "stop")},
-    **{name: f"{name}._{name}:command" for name in ("doctor", "init", "listen", "model")},
+    **{name: f"{name}._{name}:command" for name in ("doctor", "init", "listen", "model", "plugin")},
     **{name: f"run._run:{name}" for name in ("run", "serve")},
     **{name: f"run._clients:{name}" for name in ("do", "record", "status")},
     "page": "recorded:command",
