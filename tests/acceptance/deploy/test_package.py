@@ -1,4 +1,6 @@
-"""The package on a fresh Debian 12 that systemd has booted: installed, gripping, killed, upgraded, removed, purged."""
+"""The package on a fresh Debian 12 that systemd has booted: installed, gripping, killed, upgraded, removed, purged;
+two tools, a codec and a program of one's own.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,9 @@ from end_effector_hal.description import profile_path
 from tests.support.patience import wait_until
 from tests.support.places import ROOT
 
-TOOL = "/etc/eehal/my_tool.yaml"
-PARTS = ("eehal-arbiter@my_tool", "eehal@my_tool")
+TOOL, GAUGE_TOOL = "/etc/eehal/my_tool.yaml", "/etc/eehal/gauge_tool.yaml"
+PARTS = ("eehal-arbiter@my_tool", "eehal@my_tool", "eehal-arbiter@gauge_tool", "eehal@gauge_tool")
+GAUGE, PROGRAM = ROOT / "examples/codecs/gauge", ROOT / "examples/programs/ten_grips.py"
 PACKAGES = "systemd,systemd-sysv,dbus,ca-certificates,python3"
 BOOT_S = 120.0
 
@@ -51,12 +54,13 @@ class Machine:
         assert code == 0, said
         return said
 
-    def state(self) -> str:
-        found = re.match(r"verdin_gripper: (\w+)", self.run(f"eehal status {TOOL}")[1])
-        return found[1] if found else ""
+    def states(self) -> list[str]:
+        """The state of each tool."""
+        found = (re.match(r"\w+: (\w+)", self.run(f"eehal status {tool}")[1]) for tool in (TOOL, GAUGE_TOOL))
+        return [each[1] if each else "" for each in found]
 
-    def reach(self, state: str) -> None:
-        wait_until(state, lambda: self.state() == state)
+    def reach(self, *states: str) -> None:
+        wait_until(" ".join(states), lambda: self.states()[: len(states)] == [*states])
 
     def pids(self) -> list[str]:
         return [self.does(f"systemctl show -P MainPID {part}").strip() for part in PARTS]
@@ -88,13 +92,16 @@ def machine(tmp_path_factory: pytest.TempPathFactory, packages: tuple[Path, Path
     for name, package in zip(("first.deb", "later.deb"), packages, strict=True):
         shutil.copy(package, root / "root" / name)
     (root / "etc/eehal").mkdir()
-    tool = (
-        profile_path()
-        .read_text()
-        .replace("backend: gpiod", "backend: virtual\n  path: /run/eehal/my_tool.chip")
-    )
-    (root / TOOL[1:]).write_text(re.sub(r"port: \S+", "port: /run/eehal/my_tool.uart", tool, count=1))
+    for path, source in ((TOOL, profile_path()), (GAUGE_TOOL, GAUGE / "end_effector.yaml")):
+        wires = f"/run/eehal/{Path(path).stem}"
+        tool = re.sub(r"port: [^\s,]+", f"port: {wires}.uart", source.read_text(), count=1)
+        tool = tool.replace("{backend: gpiod}", "\n  backend: gpiod")
+        (root / path[1:]).write_text(
+            tool.replace("backend: gpiod", f"backend: virtual\n  path: {wires}.chip")
+        )
     shutil.copy(profile_path().with_suffix(".xml"), root / "etc/eehal")
+    shutil.copy(PROGRAM, root / "etc/eehal")
+    shutil.copytree(GAUGE, root / "root/gauge")
     with (folder / "log").open("w") as log:
         nspawn = subprocess.Popen(
             ["systemd-nspawn", "-D", root, "--register=no", "--keep-unit", "--private-network", "-b"],
@@ -120,12 +127,41 @@ def booted(parent: int, log: Path) -> Machine:
     pytest.skip(f"systemd does not boot here: {log.read_text()[-300:]}")
 
 
+def bench(machine: Machine, tool: str, scenario: str) -> None:
+    """Start the simulated hardware of a tool."""
+    name = Path(tool).stem
+    options = f"--unit=bench-{name} --gid=gpio -p UMask=0002"
+    machine.does(f"systemd-run {options} eehal testbench {tool} --scenario {scenario}")
+    wait_until("the testbench", lambda: machine.run(f"test -L /run/eehal/{name}.uart")[0] == 0)
+
+
+def a_codec_and_a_second_tool(machine: Machine) -> None:
+    """A tool whose codec is a plug-in, beside the first one."""
+    code, said = machine.run(f"eehal check {GAUGE_TOOL}")
+    assert (code, "there is no such codec (gauge)" in said) == (2, True)
+    assert "codec gauge" in machine.does("eehal plugin add /root/gauge")
+    bench(machine, GAUGE_TOOL, "fails-once:cup")
+    machine.does("systemctl enable --now eehal@gauge_tool")
+    machine.reach("STAND_BY", "STAND_BY")
+
+
+def a_program(machine: Machine) -> None:
+    """A program as a service: its options are a drop-in; it grips twice, and is not started again."""
+    unit = "eehal-program@ten_grips"
+    folder = f"/etc/systemd/system/{unit}.service.d"
+    option = f'[Service]\\nEnvironment="EEHAL_OPTIONS={TOOL} 2"\\n'
+    machine.does(f"mkdir {folder} && printf '{option}' >{folder}/options.conf && systemctl daemon-reload")
+    machine.does(f"systemctl start {unit}")
+    wait_until("its end", lambda: machine.does(f"systemctl show -P ActiveState {unit}").strip() == "inactive")
+    assert "2 of 2 grips confirmed" in machine.does(f"journalctl -u {unit} -o cat --no-pager")
+    assert machine.does(f"systemctl show -P NRestarts -P User {unit}").split() == ["0", "eehal"]
+
+
 def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     """One story, since each step needs the one before."""
     machine.does("apt-get install -y /root/first.deb")
     machine.does(f"eehal check {TOOL}")
-    machine.does(f"systemd-run --unit=bench --gid=gpio -p UMask=0002 eehal testbench {TOOL}")
-    wait_until("the testbench", lambda: machine.run("test -L /run/eehal/my_tool.uart")[0] == 0)
+    bench(machine, TOOL, "nominal")
     machine.does("systemctl enable --now eehal@my_tool")
     machine.reach("STAND_BY")
     machine.does("systemctl start eehal-recorder@my_tool eehal-page@my_tool")
@@ -135,13 +171,25 @@ def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     code, said = machine.run("systemctl start eehal@mistyped")
     assert (code, "Assertion failed" in said) == (1, True)
     machine.does("systemctl stop eehal-arbiter@mistyped")
+    a_codec_and_a_second_tool(machine)
+    a_program(machine)
 
-    machine.does(f"eehal do {TOOL} 'lock; grip'")
-    moved = machine.does("cat /run/eehal/my_tool.chip")
+    for tool, words in ((TOOL, "lock; grip"), (GAUGE_TOOL, "grip")):
+        machine.does(f"eehal do {tool} '{words}'")
+    moved = machine.does("cat /run/eehal/*.chip")
 
     def held() -> None:
-        machine.reach("GRIPPED")
-        assert machine.does("cat /run/eehal/my_tool.chip") == moved, "no line changes"
+        machine.reach("GRIPPED", "GRIPPED")
+        assert machine.does("cat /run/eehal/*.chip") == moved, "no line changes"
+
+    said = machine.does(
+        "journalctl EEHAL_TOOL=gauge_tool EEHAL_EVENT=TimedOut EEHAL_ACTUATOR=cup -o cat --no-pager"
+    )
+    assert said == "Cup was not confirmed within 5 s: attempt 1 of 3.\n"
+    found = (
+        "journalctl EEHAL_EVENT=StateChanged EEHAL_STATE=GRIPPED -o cat --no-pager --output-fields=EEHAL_TOOL"
+    )
+    assert machine.does(found).splitlines() == ["my_tool", "my_tool", "my_tool", "gauge_tool"]
 
     machine.does("systemctl kill -s KILL eehal-arbiter@my_tool")
     held()
@@ -149,7 +197,8 @@ def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     held()
     before = machine.pids()
     said = machine.does("apt-get install -y /root/later.deb")
-    assert "my_tool is not at rest: the version before goes on." in said
+    for tool in ("my_tool", "gauge_tool"):
+        assert f"{tool} is not at rest: the version before goes on." in said
     assert machine.pids() == before
     held()
     code, said = machine.run("apt-get remove -y end-effector-hal")
@@ -158,10 +207,13 @@ def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     assert machine.pids() == before
     held()
 
-    machine.does(f"eehal do {TOOL} drop")
+    for tool in (TOOL, GAUGE_TOOL):
+        machine.does(f"eehal do {tool} drop")
     machine.does("apt-get install -y --allow-downgrades /root/first.deb")
     assert not set(machine.pids()) & set(before), "at rest it gets the new programs"
-    machine.reach("STAND_BY")
+    machine.reach("STAND_BY", "STAND_BY")
+    assert re.search(r"^eehal-gauge .* yes *$", machine.does("eehal plugin list"), re.MULTILINE)
+    machine.does("apt-get remove -y end-effector-hal && test -d /opt/eehal/plugins/eehal-gauge")
     said = machine.does("apt-get purge -y end-effector-hal")
     assert "rm -r /var/log/eehal" in said
     machine.does(f"test -s {TOOL} && test -s /var/log/eehal/my_tool/run/states.csv && ! test -e /opt/eehal")
