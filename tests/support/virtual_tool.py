@@ -64,6 +64,14 @@ class VirtualTool:
                     self._told(self.controller.frame(frame))
             self._told(self.controller.advance(self.at))
 
+    def play(self, *orders: str | float) -> None:
+        """Commands that are accepted, and seconds between them: ``play(1.0, "grip box", 3.0)``."""
+        for order in orders:
+            if isinstance(order, str):
+                assert self.command(*order.split()).accepted, order
+            else:
+                self.run(order)
+
     def states(self) -> list[tuple[int, int, tuple[int, ...]]]:
         """Changes of (end-effector, command, actuators), as states.csv has them."""
         rows = [(status.ee, status.command, status.actuators) for status in self.statuses]

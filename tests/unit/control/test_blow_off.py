@@ -27,9 +27,7 @@ STAND_BY, RELEASING, RELEASE_ERROR = (
 
 def gripped(description: Description, scenario: str = "nominal") -> VirtualTool:
     tool = VirtualTool(description, scenario)
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(4.0)
+    tool.play(1.0, "grip", 4.0)
     assert tool.status.ee == EndEffectorState.GRIPPED
     assert not [line for _, line, _ in tool.edges if line in (BOTTOM_AIR, TOP_AIR)]
     return tool
@@ -38,8 +36,7 @@ def gripped(description: Description, scenario: str = "nominal") -> VirtualTool:
 def dropped(tool: VirtualTool, seconds: float = 10.0) -> list[tuple[int, str, bool]]:
     """What the lines do after a Drop: ms, line, level."""
     since, before = tool.at, len(tool.edges)
-    assert tool.command("drop").accepted
-    tool.run(seconds)
+    tool.play("drop", seconds)
     return [((at - since) // MS, line, level) for at, line, level in tool.edges[before:]]
 
 
@@ -65,11 +62,7 @@ def test_until_gone_it_ends_with_the_feedback() -> None:
 
 def test_what_is_gone_already_is_not_blown_off_where_the_feedback_ends_it() -> None:
     tool = VirtualTool(blown(until_gone=True), "never-confirms:bottom_vacuum")
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(0.5)
-    assert tool.command("cancel").accepted
-    tool.run(3.0)
+    tool.play(1.0, "grip", 0.5, "cancel", 3.0)
     assert [line for _, line, _ in tool.edges] == [BOTTOM, BOTTOM]
     assert tool.status.ee == STAND_BY
 
@@ -77,9 +70,7 @@ def test_what_is_gone_already_is_not_blown_off_where_the_feedback_ends_it() -> N
 def test_nothing_is_blown_off_between_two_attempts() -> None:
     """The cups before it hold the part."""
     tool = VirtualTool(blown(), "fails-once:top_vacuum")
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(9.0)
+    tool.play(1.0, "grip", 9.0)
     assert tool.status.ee == EndEffectorState.GRIPPED
     assert [line for _, line, _ in tool.edges].count(TOP) == 3
     assert not [line for _, line, _ in tool.edges if line in (BOTTOM_AIR, TOP_AIR)]
@@ -87,12 +78,9 @@ def test_nothing_is_blown_off_between_two_attempts() -> None:
 
 def test_nothing_is_blown_off_while_an_output_stays_active_as_declared() -> None:
     tool = VirtualTool(blown(declared(bottom_vacuum={"gripping": {"cancel": "hold"}})))
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(1.1)
+    tool.play(1.0, "grip", 1.1)
     assert tool.levels[TOP]
-    assert tool.command("cancel").accepted
-    tool.run(8.0)
+    tool.play("cancel", 8.0)
     assert tool.levels[BOTTOM]
     assert not tool.levels[TOP]
     assert not [line for _, line, _ in tool.edges if line in (BOTTOM_AIR, TOP_AIR)]
@@ -119,8 +107,7 @@ def test_blowing_is_no_proof() -> None:
 @pytest.mark.parametrize("command", ["grip", "drop", "cancel", "unlock"])
 def test_no_command_disturbs_it(command: str) -> None:
     tool = gripped(blown())
-    assert tool.command("drop").accepted
-    tool.run(0.2)
+    tool.play("drop", 0.2)
     assert tool.status.blowing == (2,)
     assert not tool.command(command).accepted
     before = len(tool.edges)
@@ -130,8 +117,7 @@ def test_no_command_disturbs_it(command: str) -> None:
 
 def test_a_link_that_falls_silent_does_not_prolong_it() -> None:
     tool = gripped(blown(until_gone=True), "nominal")
-    assert tool.command("drop").accepted
-    tool.run(0.151)
+    tool.play("drop", 0.151)
     tool.link = False
     before = tool.at
     tool.run(10.0)
@@ -143,8 +129,7 @@ def test_a_link_that_falls_silent_does_not_prolong_it() -> None:
 
 def test_a_refusal_of_the_line_arbiter_goes_on_without_it() -> None:
     tool = gripped(blown())
-    assert tool.command("drop").accepted
-    tool.run(0.16)
+    tool.play("drop", 0.16)
     assert tool.status.blowing == (2,)
     tool._told(tool.controller.refused(tool.at))
     assert tool.status.blowing == ()

@@ -71,6 +71,11 @@ class Cup:
             self.statuses += self.controller.frame(frame)
             self.statuses += self.controller.advance(self.at)
 
+    def says(self, code: int) -> None:
+        """The pump does, for a frame."""
+        self.pump = code
+        self.run(0.02)
+
     def grip(self) -> str:
         answer, statuses = self.controller.command("grip", self.at)
         self.statuses += statuses
@@ -95,8 +100,7 @@ def gripped(cup: Cup) -> Cup:
 
 def test_a_code_is_an_alarm_in_its_words_and_refuses_a_grip(cup: Cup) -> None:
     assert cup.status.alarm_texts == ()
-    cup.pump = 8
-    cup.run(0.02)
+    cup.says(8)
     assert cup.status.alarm_texts == ("Pump: it is too hot.",)
     assert cup.controller.blocking["IL-07"] == cup.controller.refusal("grip") == "IL-07: Pump: it is too hot."
     assert cup.grip() == "IL-07: Pump: it is too hot."
@@ -104,12 +108,10 @@ def test_a_code_is_an_alarm_in_its_words_and_refuses_a_grip(cup: Cup) -> None:
 
 
 def test_a_latched_fault_that_is_over_refuses_until_it_is_acknowledged(cup: Cup) -> None:
-    cup.pump = 8
-    cup.run(0.02)
+    cup.says(8)
     cup.acknowledge()
     assert cup.status.alarm_texts == ("Pump: it is too hot.",)
-    cup.pump = 0
-    cup.run(0.02)
+    cup.says(0)
     assert cup.status.alarm_texts == ("Over: Pump: it is too hot.",)
     assert cup.grip() == "IL-07: Over: Pump: it is too hot. Reset it first."
     cup.acknowledge()
@@ -118,35 +120,28 @@ def test_a_latched_fault_that_is_over_refuses_until_it_is_acknowledged(cup: Cup)
 
 
 def test_a_code_without_a_text_of_its_own_has_that_of_all_others_and_its_number(cup: Cup) -> None:
-    cup.pump = 13
-    cup.run(0.02)
+    cup.says(13)
     assert cup.status.alarm_texts == ("Pump: a fault without a name, code 13.",)
 
 
 def test_one_code_after_another_leaves_both(cup: Cup) -> None:
-    cup.pump = 8
-    cup.run(0.02)
-    cup.pump = 13
-    cup.run(0.02)
+    cup.says(8)
+    cup.says(13)
     assert cup.status.alarm_texts == ("Over: Pump: it is too hot.", "Pump: a fault without a name, code 13.")
 
 
 def test_a_warning_refuses_nothing_and_one_that_does_not_latch_goes_by_itself(cup: Cup) -> None:
-    cup.pump = 3
-    cup.run(0.02)
+    cup.says(3)
     assert cup.status.alarm_texts == ("Pump: the part is porous.",)
     assert cup.grip() == ""
-    cup.pump = 0
-    cup.run(0.02)
+    cup.says(0)
     assert cup.status.alarm_texts == ()
 
 
 def test_an_error_that_does_not_latch_refuses_while_it_stands(cup: Cup) -> None:
-    cup.pump = 4
-    cup.run(0.02)
+    cup.says(4)
     assert cup.grip() == "IL-07: Pump: low voltage."
-    cup.pump = 0
-    cup.run(0.02)
+    cup.says(0)
     assert cup.grip() == ""
 
 
@@ -173,8 +168,7 @@ def test_no_fault_lets_go_of_what_is_held_and_a_drop_leaves_the_alarm(gripped: C
 
 
 def test_sensors_that_a_fault_makes_worthless_prove_nothing_while_it_stands(gripped: Cup) -> None:
-    gripped.pump = 9
-    gripped.run(0.02)
+    gripped.says(9)
     assert gripped.status.evidence == (Evidence.UNKNOWN,)
     assert not gripped.status.lift_allowed
     gripped.pump = 8
@@ -191,8 +185,7 @@ def test_a_fault_while_gripping_is_no_confirmation_and_the_grip_ends_by_its_time
 
 
 def test_a_channel_without_a_reading_refuses_and_ends_no_alarm(cup: Cup) -> None:
-    cup.pump = 8
-    cup.run(0.02)
+    cup.says(8)
     cup.run(1.0, without="pump")
     assert "Pump: it is too hot." in cup.status.alarm_texts
     assert cup.status.evidence == (Evidence.UNKNOWN,)
@@ -210,10 +203,8 @@ def test_a_channel_without_a_reading_refuses_and_ends_no_alarm(cup: Cup) -> None
 def test_another_controller_that_goes_on_from_a_snapshot_knows_the_latched_fault(
     description: Description, cup: Cup
 ) -> None:
-    cup.pump = 8
-    cup.run(0.02)
-    cup.pump = 0
-    cup.run(0.02)
+    cup.says(8)
+    cup.says(0)
     snapshot = cup.controller.snapshot()
     assert snapshot is not None
     again = Controller(description, network_of(description))
@@ -229,8 +220,7 @@ def test_the_arbiter_is_told_of_errors_only_and_of_what_is_read_only(
     assert asked == {"no_fault:pump", "no_latching_fault:pump", "no_latching_fault:door"}
     assert cup.needed == dict.fromkeys(asked, True)
     for code, bad in ((8, {"no_latching_fault:pump"}), (4, {"no_fault:pump"}), (3, set())):
-        cup.pump = code
-        cup.run(0.02)
+        cup.says(code)
         assert {name for name, holds in cup.needed.items() if not holds} == bad
     cup.run(1.0, without="pump")
     assert cup.needed == {"no_latching_fault:door": True}
@@ -238,8 +228,7 @@ def test_the_arbiter_is_told_of_errors_only_and_of_what_is_read_only(
 
 def test_codes_without_a_text_of_their_own_are_one_alarm_however_many_come(cup: Cup) -> None:
     for code in range(100, 400):
-        cup.pump = code
-        cup.run(0.02)
+        cup.says(code)
     assert cup.status.alarm_texts == ("Pump: a fault without a name, code 100.",)
     cup.pump = 8
     cup.run(0.1)

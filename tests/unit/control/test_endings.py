@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -28,6 +29,13 @@ def tool_of(description: Description, scenario: str = "nominal") -> VirtualTool:
     return tool
 
 
+def ending(holds: tuple[bool, ...], phase: str, on: str) -> dict[str, Any]:
+    """What each actuator does then: it holds, or it is released."""
+    return {
+        name: {phase: {on: "hold" if each else "release"}} for name, each in zip(NAMES, holds, strict=True)
+    }
+
+
 def switched(tool: VirtualTool, since: int) -> list[tuple[str, bool]]:
     return [(line, level) for at, line, level in tool.edges if at >= since]
 
@@ -44,8 +52,7 @@ def active(tool: VirtualTool) -> list[str]:
 def drop_releases_everything(tool: VirtualTool) -> None:
     before = active(tool)
     since = tool.at
-    assert tool.command("drop").accepted
-    tool.run(8.0)
+    tool.play("drop", 8.0)
     assert switched(tool, since) == [(line, False) for line in reversed(before)]
     assert (tool.status.ee, tool.status.held, tool.status.reason) == (STAND_BY, False, "")
 
@@ -66,15 +73,11 @@ HOLDS = first_of(
 @pytest.mark.parametrize("holds", HOLDS)
 def test_cancel(holds: tuple[bool, ...]) -> None:
     """While the last step is pending: what holds stays, the rest is released in its order."""
-    own = dict(
-        zip(NAMES, ({"gripping": {"cancel": "hold" if each else "release"}} for each in holds), strict=True)
-    )
-    tool = tool_of(declared(**own), "never-confirms:top_vacuum")
+    tool = tool_of(declared(**ending(holds, "gripping", "cancel")), "never-confirms:top_vacuum")
     tool.run(4.0)
     assert active(tool) == list(LINES)
     since = tool.at
-    assert tool.command("cancel").accepted
-    tool.run(8.0)
+    tool.play("cancel", 8.0)
     stays = [line for line, each in zip(LINES, holds, strict=True) if each]
     assert switched(tool, since) == [(line, False) for line in reversed(LINES) if line not in stays]
     assert (active(tool), tool.status.ee) == (stays, GRIP_ERROR if stays else STAND_BY)
@@ -87,8 +90,7 @@ def test_cancel(holds: tuple[bool, ...]) -> None:
 
 def test_what_a_cancel_leaves_active_is_told() -> None:
     tool = tool_of(declared(bottom_vacuum={"gripping": {"cancel": "hold"}}), "never-confirms:top_vacuum")
-    tool.run(4.0)
-    tool.command("cancel")
+    tool.play(4.0, "cancel")
     assert (tool.status.ee, tool.status.kept, tool.status.reason) == (
         RELEASING,
         (0,),
@@ -105,9 +107,7 @@ def test_what_a_cancel_leaves_active_is_told() -> None:
 
 def test_a_cancel_with_nothing_engaged_that_holds_ends_in_stand_by() -> None:
     tool = tool_of(declared(top_vacuum={"gripping": {"cancel": "hold"}}), "never-confirms:cylinder")
-    tool.run(2.0)
-    tool.command("cancel")
-    tool.run(8.0)
+    tool.play(2.0, "cancel", 8.0)
     assert (tool.status.ee, active(tool)) == (STAND_BY, [])
 
 
@@ -116,8 +116,7 @@ def test_a_cancel_in_the_pause_leaves_what_is_engaged() -> None:
     tool = tool_of(declared(whole), "never-confirms:cylinder")
     tool.run(6.0)
     assert active(tool) == [BOTTOM]
-    tool.command("cancel")
-    tool.run(3.0)
+    tool.play("cancel", 3.0)
     assert (tool.status.ee, active(tool)) == (GRIP_ERROR, [BOTTOM])
     assert (RELEASING, CANCEL) not in passed(tool)
 
@@ -150,10 +149,7 @@ def test_what_is_late_is_confirmed_in_the_time_of_its_next_attempt() -> None:
 @pytest.mark.parametrize("holds", HOLDS)
 def test_abort(holds: tuple[bool, ...]) -> None:
     """The last step is never confirmed; its own output is active at its last time-out."""
-    own = dict(
-        zip(NAMES, ({"gripping": {"abort": "hold" if each else "release"}} for each in holds), strict=True)
-    )
-    tool = tool_of(declared(**own), "never-confirms:top_vacuum")
+    tool = tool_of(declared(**ending(holds, "gripping", "abort")), "never-confirms:top_vacuum")
     tool.run(40.0)
     stays = [line for line, each in zip(LINES, holds, strict=True) if each]
     assert (active(tool), tool.status.ee) == (stays, GRIP_ERROR if stays else STAND_BY)
@@ -168,8 +164,7 @@ def test_abort(holds: tuple[bool, ...]) -> None:
 @pytest.mark.parametrize("holds", HOLDS)
 def test_lost(holds: tuple[bool, ...]) -> None:
     """While GRIPPED; a release needs IL-09 switched off."""
-    own = dict(zip(NAMES, ({"held": {"lost": "hold" if each else "release"}} for each in holds), strict=True))
-    tool = tool_of(declared(il_09=False, **own), "lost-after:bottom_vacuum:6")
+    tool = tool_of(declared(il_09=False, **ending(holds, "held", "lost")), "lost-after:bottom_vacuum:6")
     tool.run(4.0)
     assert tool.status.ee == GRIPPED
     since = tool.at

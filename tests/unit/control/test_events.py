@@ -1,22 +1,28 @@
-"""What the automata mean, as events: each kind at its exact time, and every row of the table of edges."""
+"""What the automata mean, as events, and the line of each; what a controller says that it would refuse."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from end_effector_hal.control import EventKind, EventReader, ToolEvent, network_of
+from end_effector_hal.control import (
+    COMMANDS,
+    Controller,
+    EventKind,
+    EventReader,
+    ToolEvent,
+    event_lines,
+    network_of,
+)
 from end_effector_hal.control._events import EDGES
-from end_effector_hal.description import Description, load, profile_path
-from end_effector_hal.vocabulary import Cause, EndEffectorState
+from end_effector_hal.description import Description
+from end_effector_hal.vocabulary import Cause, ChangerState, EndEffectorState
+from tests.support.nightly import first_of
 from tests.support.virtual_tool import VirtualTool
 from timed_automata import Change, Step, TakenEdge
 
 K, S = EventKind, EndEffectorState
-
-
-@pytest.fixture(scope="module")
-def description() -> Description:
-    return load(profile_path())
 
 
 def played(description: Description, scenario: str, *orders: tuple[str, float]) -> list[ToolEvent]:
@@ -37,8 +43,8 @@ def told(events: list[ToolEvent], *kinds: EventKind) -> list[tuple[int, EventKin
     ]
 
 
-def test_attempts_begin_and_are_confirmed_or_time_out(description: Description) -> None:
-    events = played(description, "fails-once:cylinder", ("grip", 9.0))
+def test_attempts_begin_and_are_confirmed_or_time_out(verdin: Description) -> None:
+    events = played(verdin, "fails-once:cylinder", ("grip", 9.0))
     assert told(events, K.ATTEMPT_BEGAN, K.CONFIRMED, K.TIMED_OUT) == [
         (1000, K.ATTEMPT_BEGAN, 0, 1),
         (1400, K.CONFIRMED, 0, 1),
@@ -51,8 +57,8 @@ def test_attempts_begin_and_are_confirmed_or_time_out(description: Description) 
     ]
 
 
-def test_the_last_time_out_stands_before_the_change_that_it_causes(description: Description) -> None:
-    events = played(description, "never-confirms:bottom_vacuum", ("grip", 20.0))
+def test_the_last_time_out_stands_before_the_change_that_it_causes(verdin: Description) -> None:
+    events = played(verdin, "never-confirms:bottom_vacuum", ("grip", 20.0))
     at, who = 18_000_000, {"actuator": 0}
     assert [event for event in events if event.at == at][:2] == [
         ToolEvent(at, K.TIMED_OUT, attempt=3, **who),
@@ -61,8 +67,8 @@ def test_the_last_time_out_stands_before_the_change_that_it_causes(description: 
     assert [number for _, _, _, number in told(events, K.TIMED_OUT)] == [1, 2, 3]
 
 
-def test_commands_are_accepted_before_the_state_changes(description: Description) -> None:
-    events = played(description, "nominal", ("grip", 3.0), ("drop", 3.0))
+def test_commands_are_accepted_before_the_state_changes(verdin: Description) -> None:
+    events = played(verdin, "nominal", ("grip", 3.0), ("drop", 3.0))
     grip, drop = (event for event in events if event.kind is K.COMMAND_ACCEPTED)
     assert ((grip.at, grip.command), (drop.at, drop.command)) == ((1_000_000, "grip"), (4_000_000, "drop"))
     changes = [(event.old, event.new) for event in events if event.kind is K.STATE_CHANGED]
@@ -79,8 +85,8 @@ def test_commands_are_accepted_before_the_state_changes(description: Description
     ]
 
 
-def test_a_release_says_what_is_deactivated_and_what_is_not_gone(description: Description) -> None:
-    events = played(description, "stuck-release:cylinder", ("grip", 3.0), ("drop", 8.0))
+def test_a_release_says_what_is_deactivated_and_what_is_not_gone(verdin: Description) -> None:
+    events = played(verdin, "stuck-release:cylinder", ("grip", 3.0), ("drop", 8.0))
     assert [(kind, who) for _, kind, who, _ in told(events, K.DEACTIVATED, K.NOT_GONE)] == [
         (K.DEACTIVATED, 2),
         (K.DEACTIVATED, 1),
@@ -92,27 +98,25 @@ def test_a_release_says_what_is_deactivated_and_what_is_not_gone(description: De
     assert gone.at - off.at == 2_000_000
 
 
-def test_what_is_lost_names_its_actuator(description: Description) -> None:
-    events = played(description, "lost-after:cylinder:3", ("grip", 6.0))
+def test_what_is_lost_names_its_actuator(verdin: Description) -> None:
+    events = played(verdin, "lost-after:cylinder:3", ("grip", 6.0))
     lost = next(event for event in events if event.kind is K.LOST)
     assert lost.actuator == 1
     assert ToolEvent(lost.at, K.STATE_CHANGED, 1, 0, S.GRIPPED, S.GRIP_ERROR, Cause.LOST) in events
 
 
-def test_the_tool_changer_has_its_own(description: Description) -> None:
-    tool = VirtualTool(description)
-    tool.run(1.0)
-    assert tool.command("unlock").accepted
+def test_the_tool_changer_has_its_own(verdin: Description) -> None:
+    tool = VirtualTool(verdin)
+    tool.play(1.0, "unlock")
     assert [event for status in tool.statuses for event in status.events][-2:] == [
         ToolEvent(tool.at, K.COMMAND_ACCEPTED, command="unlock"),
         ToolEvent(tool.at, K.CHANGER_CHANGED, old=1, new=3),
     ]
 
 
-def test_a_status_that_is_asked_for_has_no_events(description: Description) -> None:
-    tool = VirtualTool(description)
-    tool.run(1.0)
-    assert tool.command("grip").accepted
+def test_a_status_that_is_asked_for_has_no_events(verdin: Description) -> None:
+    tool = VirtualTool(verdin)
+    tool.play(1.0, "grip")
     assert tool.statuses[-1].steps[0].attempts == 1
     assert tool.status.events == ()
 
@@ -159,9 +163,9 @@ def test_each_row_of_the_table_is_an_edge_with_its_events(row: tuple[str, str, s
     assert [(event.kind, event.actuator, event.attempt) for event in found] == ROWS[row]
 
 
-def test_every_row_is_an_edge_of_the_file_and_no_such_edge_lacks_a_row(description: Description) -> None:
+def test_every_row_is_an_edge_of_the_file_and_no_such_edge_lacks_a_row(verdin: Description) -> None:
     edges = set()
-    for template in network_of(description).document.templates:
+    for template in network_of(verdin).document.templates:
         if template.name.content not in ("Gripper", "Changer"):
             continue
         names = {each.id: each.name.text.content for each in template.locations if each.name}
@@ -174,3 +178,127 @@ def test_every_row_is_an_edge_of_the_file_and_no_such_edge_lacks_a_row(descripti
     assert meant - EDGES.keys() == {
         ("Blowing", "Blown", "grip_refused")
     }  # then it is released without blowing
+
+
+# A line per transition and per time-out, with the cause: from statuses in virtual time; it needs no ROS.
+
+
+def lines_after(description: Description, scenario: str, *commands: str, each_s: float = 12.0) -> list[str]:
+    tool = VirtualTool(description, scenario)
+    tool.run(1.0)
+    for command in commands:
+        assert tool.command(command).accepted
+        tool.run(each_s)
+    return [line for line in lines_of(tool) if not line.startswith("tool changer: ")]
+
+
+def lines_of(tool: VirtualTool) -> list[str]:
+    return [line for status in tool.statuses for line in event_lines(tool.description, status)]
+
+
+def test_each_transition_is_one_line(verdin: Description) -> None:
+    assert lines_after(verdin, "nominal", "grip", "drop") == [
+        "OFF -> STAND_BY", "STAND_BY -> GRIPPING (GRIP)", "GRIPPING -> GRIPPED",
+        "GRIPPED -> RELEASING (RELEASE)", "RELEASING -> STAND_BY",
+    ]  # fmt: skip
+
+
+def test_a_failed_attempt_is_one_line(verdin: Description) -> None:
+    assert lines_after(verdin, "fails-once:cylinder", "grip")[1:] == [
+        "STAND_BY -> GRIPPING (GRIP)",
+        "Cylinder was not confirmed within 5 s: attempt 1 of 3.",
+        "GRIPPING -> GRIPPED",
+    ]
+
+
+def test_the_last_time_out_is_a_line_and_the_cause_of_what_follows(verdin: Description) -> None:
+    why = "Top vacuum was not confirmed within 5 s in 3 attempts."
+    assert lines_after(verdin, "never-confirms:top_vacuum", "grip", each_s=40.0)[2:] == [
+        "Top vacuum was not confirmed within 5 s: attempt 1 of 3.",
+        "Top vacuum was not confirmed within 5 s: attempt 2 of 3.",
+        "Top vacuum was not confirmed within 5 s: attempt 3 of 3.",
+        f"GRIPPING -> GRIP_ERROR (RELEASE): {why}",
+        f"GRIP_ERROR -> RELEASING (RELEASE): {why}",
+        f"RELEASING -> STAND_BY: {why}",
+    ]
+
+
+def test_a_second_grip_counts_its_attempts_from_one(verdin: Description) -> None:
+    lines = lines_after(verdin, "never-confirms:top_vacuum", "grip", "grip", each_s=40.0)
+    assert lines.count("Top vacuum was not confirmed within 5 s: attempt 2 of 3.") == 2
+
+
+def test_a_release_that_goes_on_without_proof_says_so(verdin: Description) -> None:
+    lines = lines_after(verdin, "stuck-release:cylinder", "grip", "drop")
+    assert lines[4:] == [
+        "Cylinder was not gone within 2 s.",
+        "RELEASING -> RELEASE_ERROR: Everything is deactivated, but Cylinder still shows feedback: cylinder is at "
+        "599.7 kPa, cylinder_extended is on, cylinder_retracted is off; gone means less than 50 kPa.",
+    ]
+
+
+def test_only_a_status_of_a_step_has_lines(verdin: Description) -> None:
+    tool = VirtualTool(verdin)
+    tool.run(1.0)
+    assert tool.status.ee == EndEffectorState.STAND_BY
+    assert lines_of(tool) == ["OFF -> STAND_BY", "tool changer: UNKNOWN -> LOCKED"]
+    assert not list(event_lines(verdin, tool.status))
+
+
+def test_the_tool_changer_has_its_own_lines(verdin: Description) -> None:
+    tool = VirtualTool(verdin)
+    tool.play(1.0, "unlock")
+    assert lines_of(tool) == [
+        "OFF -> STAND_BY",
+        "tool changer: UNKNOWN -> LOCKED",
+        "tool changer: LOCKED -> UNLOCKING (UNLOCK)",
+    ]
+
+
+def test_a_lock_that_is_unknown_says_why_and_names_no_command_of_the_gripping(
+    verdin: Description,
+) -> None:
+    tool = VirtualTool(verdin)
+    tool.play(1.0, "grip", 0.1)
+    unknown = ToolEvent(tool.at, EventKind.CHANGER_CHANGED, old=ChangerState.LOCKED, new=ChangerState.UNKNOWN)
+    told = replace(tool.status, changer=ChangerState.UNKNOWN, stale=("bottom", "locked"), events=(unknown,))
+    assert list(event_lines(verdin, told)) == [
+        "tool changer: LOCKED -> UNKNOWN: no valid reading of locked",
+    ]
+
+
+# What a controller says that it would refuse is what it does refuse, word for word, and asking changes nothing.
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    first_of(
+        [
+            "nominal", "lost-after:top_vacuum:3", "silent-after:4", "never-confirms:cylinder",
+            "not-in-stand", "supply:300",
+        ],
+        2,
+        2,
+    ),
+)  # fmt: skip
+def test_it_says_beforehand_what_it_answers(verdin: Description, scenario: str) -> None:
+    """Asked every 0.6 s of a run, of a controller and of its copy, which is then given the command."""
+    tool, network = VirtualTool(verdin, scenario), network_of(verdin)
+    said = set()
+    for moment in range(25):
+        if moment in (2, 15):
+            tool.command("grip" if moment == 2 else "drop")
+        if moment in (20, 22):
+            tool.command("unlock" if moment == 20 else "lock")
+        tool.run(0.6)
+        before = tool.controller.snapshot()
+        assert before is not None
+        for word in COMMANDS:
+            refusal = tool.controller.refusal(word)
+            copy = Controller(verdin, network)
+            copy.resume(before)
+            answer, _ = copy.command(word, tool.at)
+            assert (answer.accepted, answer.reason) == (not refusal, refusal), (moment, word)
+            said.add(refusal)
+        assert tool.controller.snapshot() == before
+    assert len(said) > 5

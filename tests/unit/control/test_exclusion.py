@@ -15,8 +15,7 @@ LOOSE = "IL-05: "
 
 def test_each_excludes_the_other_at_once(verdin: Description) -> None:
     tool = VirtualTool(verdin)
-    tool.run(1.0)
-    assert tool.command("unlock").accepted
+    tool.play(1.0, "unlock")
     assert tool.command("grip").reason.startswith(LOOSE)
     while tool.status.changer is not ChangerState.LOCKED:
         assert tool.command("grip").reason.startswith(LOOSE)

@@ -66,6 +66,13 @@ class Room:
     def answer(self, goal: Goal, answer: Answer = YES) -> None:
         self.do(self.goals.answer(goal, answer, self.at))
 
+    def target(self, command: Command, answer: Answer) -> Goal:
+        """A position that is asked for, with its answer."""
+        goal = Goal(command, "gripper_cmd", is_target=True)
+        self.do(self.goals.begin(goal, self.at))
+        self.answer(goal, answer)
+        return goal
+
     def see(self, count: int = 8, session: int = 5, **fields: Any) -> None:
         self.do(self.goals.see(status(begun=session, count=count, **fields), self.at))
 
@@ -82,7 +89,6 @@ def room() -> Room:
 
 
 def end(goal: Goal) -> tuple[Outcome, str]:
-    assert goal.ending is not None
     assert goal.phase is Phase.ENDED
     return goal.ending.outcome, goal.ending.reason
 
@@ -114,30 +120,19 @@ def test_rule_3_a_program_refuses_in_its_own_words(room: Room) -> None:
     goal = room.come()
     room.answer(goal, NO)
     assert end(goal) == (Outcome.REJECTED, "Nothing is held.")
-    assert goal.ending is not None
     assert goal.ending.seconds is None, "it was not begun"
 
 
 PROVEN = {
-    Command.GRIP: {
-        "ee": State.GRIPPED,
-        "evidence": (Evidence.CONFIRMED, Evidence.CONFIRMED),
-        "outputs": (True, True),
-    },
-    Command.RELEASE: {
-        "ee": State.STAND_BY,
-        "evidence": (Evidence.GONE, Evidence.GONE),
-        "outputs": (False, False),
-    },
-}
+    Command.GRIP: {"ee": State.GRIPPED, "evidence": (Evidence.CONFIRMED, Evidence.CONFIRMED), "outputs": (True, True)},
+    Command.RELEASE: {"ee": State.STAND_BY, "evidence": (Evidence.GONE, Evidence.GONE), "outputs": (False, False)},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("command", PROVEN)
 def test_rule_8_a_position_that_the_sensors_prove_is_reached_at_once(room: Room, command: Command) -> None:
     room.see(**PROVEN[command])
-    goal = Goal(command, "gripper_cmd", is_target=True)
-    room.do(room.goals.begin(goal, room.at))
-    room.answer(goal, NO)
+    goal = room.target(command, NO)
     assert end(goal) == (Outcome.SUCCEEDED, REACHED)
     other = room.come(command)
     room.answer(other, NO)
@@ -147,9 +142,7 @@ def test_rule_8_a_position_that_the_sensors_prove_is_reached_at_once(room: Room,
 @pytest.mark.parametrize("level", [Evidence.GONE, Evidence.UNKNOWN])
 def test_rule_8_what_does_not_grip_the_part_counts_only_for_a_release(room: Room, level: Evidence) -> None:
     room.see(ee=State.GRIPPED, evidence=(level, Evidence.CONFIRMED), outputs=(False, True))
-    goal = Goal(Command.GRIP, "gripper_cmd", is_target=True)
-    room.do(room.goals.begin(goal, room.at))
-    room.answer(goal, NO)
+    goal = room.target(Command.GRIP, NO)
     assert end(goal) == (Outcome.SUCCEEDED, REACHED)
 
 
@@ -166,17 +159,13 @@ def test_rule_8_what_does_not_grip_the_part_counts_only_for_a_release(room: Room
 )
 def test_rule_8_and_any_other_one_is_not(room: Room, command: Command, unlike: dict[str, Any]) -> None:
     room.see(**PROVEN[command] | unlike)
-    goal = Goal(command, "gripper_cmd", is_target=True)
-    room.do(room.goals.begin(goal, room.at))
-    room.answer(goal, NO)
+    goal = room.target(command, NO)
     assert end(goal) == (Outcome.REJECTED, NO.reason)
 
 
 def test_rule_8_who_does_not_answer_proves_nothing(room: Room) -> None:
     room.see(**PROVEN[Command.RELEASE])
-    goal = Goal(Command.RELEASE, "gripper_cmd", is_target=True)
-    room.do(room.goals.begin(goal, room.at))
-    room.answer(goal, SILENT)
+    goal = room.target(Command.RELEASE, SILENT)
     assert end(goal) == (Outcome.UNREACHABLE, SILENT.reason)
 
 
@@ -212,7 +201,6 @@ def test_rule_4_only_statuses_that_follow_the_acceptance_count(room: Room) -> No
     room.at += 2_500_000
     room.see(count=8, ee=State.GRIPPED)
     assert room.done[1:] == [(Effect.REPORT_PROGRESS, "a"), (Effect.REPORT_END, "a")]
-    assert goal.ending is not None
     assert goal.ending.seconds == 2.5
 
 

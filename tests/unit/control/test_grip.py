@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description, load
 from end_effector_hal.kinds.stanza import Opposite
 from end_effector_hal.vocabulary import Cause
 from tests.support.virtual_tool import VirtualTool
@@ -15,11 +15,6 @@ from tests.support.virtual_tool import VirtualTool
 OFF, GRIPPING, GRIP_ERROR, GRIPPED, RELEASING, RELEASE_ERROR, STAND_BY = range(7)
 NONE, GRIP, RELEASE, CANCEL = -1, 2, 3, 4
 BOTTOM, CYLINDER, TOP = "SODIMM_208", "SODIMM_210", "SODIMM_212"
-
-
-@pytest.fixture(scope="module")
-def description() -> Description:
-    return load(profile_path())
 
 
 def ready(description: Description, scenario: str = "nominal") -> VirtualTool:
@@ -31,20 +26,25 @@ def ready(description: Description, scenario: str = "nominal") -> VirtualTool:
 
 def gripped(description: Description, scenario: str = "nominal") -> VirtualTool:
     tool = ready(description, scenario)
-    assert tool.command("grip").accepted
-    tool.run(3.0)
+    tool.play("grip", 3.0)
     assert tool.status.ee == GRIPPED
     return tool
+
+
+def with_two_coils(description: Description) -> Description:
+    """The valve of the bottom vacuum has them."""
+    bottom = description.actuators["bottom_vacuum"]
+    pulsed = bottom.model_copy(update={"opposite": Opposite(line="BACK", pulse_s=0.1)})
+    return description.model_copy(update={"actuators": {**description.actuators, "bottom_vacuum": pulsed}})
 
 
 def times_of(tool: VirtualTool, line: str) -> list[tuple[float, bool]]:
     return [(at / 1e6, level) for at, name, level in tool.edges if name == line]
 
 
-def test_figure_7_grip_then_drop(description: Description) -> None:
-    tool = gripped(description)
-    assert tool.command("drop").accepted
-    tool.run(3.0)
+def test_figure_7_grip_then_drop(verdin: Description) -> None:
+    tool = gripped(verdin)
+    tool.play("drop", 3.0)
     assert tool.states() == [
         (OFF, NONE, (0, 0, 0)),
         (STAND_BY, NONE, (0, 0, 0)),
@@ -68,10 +68,9 @@ def test_figure_7_grip_then_drop(description: Description) -> None:
     assert [(step.attempts, step.confirmed) for step in tool.status.steps] == [(1, True)] * 3
 
 
-def test_figure_8_one_time_out_one_reset_success_on_attempt_2(description: Description) -> None:
-    tool = ready(description, "fails-once:cylinder")
-    tool.command("grip")
-    tool.run(10.0)
+def test_figure_8_one_time_out_one_reset_success_on_attempt_2(verdin: Description) -> None:
+    tool = ready(verdin, "fails-once:cylinder")
+    tool.play("grip", 10.0)
     assert tool.status.ee == GRIPPED
     (start, _), (timeout, _), (again, _) = times_of(tool, CYLINDER)
     assert timeout - start == pytest.approx(5.0, abs=1e-9)
@@ -79,10 +78,9 @@ def test_figure_8_one_time_out_one_reset_success_on_attempt_2(description: Descr
     assert [step.attempts for step in tool.status.steps] == [1, 2, 1]
 
 
-def test_figure_9_three_time_outs_abort_and_reverse_order(description: Description) -> None:
-    tool = ready(description, "never-confirms:cylinder")
-    tool.command("grip")
-    tool.run(25.0)
+def test_figure_9_three_time_outs_abort_and_reverse_order(verdin: Description) -> None:
+    tool = ready(verdin, "never-confirms:cylinder")
+    tool.play("grip", 25.0)
     edges = times_of(tool, CYLINDER)
     assert [round(b - a, 6) for (a, _), (b, _) in pairwise(edges)] == [5.0, 1.0, 5.0, 1.0, 5.0]
     states = [(ee, command) for ee, command, _ in tool.states()]
@@ -96,10 +94,9 @@ def test_figure_9_three_time_outs_abort_and_reverse_order(description: Descripti
     assert [(step.attempts, step.seconds) for step in status.steps] == [(1, 0.4), (3, 17.0), (0, 0.0)]
 
 
-def test_cancel_while_gripping_unwinds(description: Description) -> None:
-    tool = ready(description)
-    tool.command("grip")
-    tool.run(1.2)
+def test_cancel_while_gripping_unwinds(verdin: Description) -> None:
+    tool = ready(verdin)
+    tool.play("grip", 1.2)
     assert tool.status.ee == GRIPPING
     assert tool.command("cancel").accepted
     assert (tool.status.ee, tool.status.command) == (RELEASING, CANCEL)
@@ -111,19 +108,17 @@ def test_cancel_while_gripping_unwinds(description: Description) -> None:
 
 
 @pytest.mark.parametrize("late_ms", range(5, 105, 10))
-def test_a_cancel_just_after_an_activation_ends_in_stand_by(description: Description, late_ms: int) -> None:
+def test_a_cancel_just_after_an_activation_ends_in_stand_by(verdin: Description, late_ms: int) -> None:
     """Its feedback may come when the actuator is inactive again, and was taken for gone."""
-    tool = ready(description)
-    tool.command("grip")
-    tool.run(0.4 + late_ms / 1000)
+    tool = ready(verdin)
+    tool.play("grip", 0.4 + late_ms / 1000)
     assert [line for _, line, active in tool.edges if active] == [BOTTOM, CYLINDER]
-    assert tool.command("cancel").accepted
-    tool.run(2.5)
+    tool.play("cancel", 2.5)
     assert (tool.status.ee, tool.status.cause) == (STAND_BY, Cause.CANCELLED)
 
 
-def test_cancel_while_gripped_or_releasing_changes_nothing(description: Description) -> None:
-    tool = gripped(description)
+def test_cancel_while_gripped_or_releasing_changes_nothing(verdin: Description) -> None:
+    tool = gripped(verdin)
     answer = tool.command("cancel")
     assert not answer.accepted
     assert "no running grip" in answer.reason
@@ -135,8 +130,8 @@ def test_cancel_while_gripped_or_releasing_changes_nothing(description: Descript
     assert tool.status.ee == STAND_BY
 
 
-def test_a_second_grip_is_refused_and_changes_nothing(description: Description) -> None:
-    tool = ready(description)
+def test_a_second_grip_is_refused_and_changes_nothing(verdin: Description) -> None:
+    tool = ready(verdin)
     tool.command("grip")
     before = tool.edges.copy()
     answer = tool.command("grip")
@@ -145,8 +140,8 @@ def test_a_second_grip_is_refused_and_changes_nothing(description: Description) 
     assert tool.edges == before
 
 
-def test_a_lost_grip_is_latched_and_all_outputs_stay(description: Description) -> None:
-    tool = gripped(description, "lost-after:bottom_vacuum:6")
+def test_a_lost_grip_is_latched_and_all_outputs_stay(verdin: Description) -> None:
+    tool = gripped(verdin, "lost-after:bottom_vacuum:6")
     edges = tool.edges.copy()
     tool.run(10.0)
     assert tool.status.ee == GRIP_ERROR
@@ -155,13 +150,12 @@ def test_a_lost_grip_is_latched_and_all_outputs_stay(description: Description) -
     assert not tool.status.lift_allowed
     assert tool.edges == edges
     assert not tool.command("grip").accepted
-    assert tool.command("drop").accepted
-    tool.run(5.0)
+    tool.play("drop", 5.0)
     assert tool.status.ee == STAND_BY
 
 
-def test_stale_while_gripped_freezes_and_tells(description: Description) -> None:
-    tool = gripped(description)
+def test_stale_while_gripped_freezes_and_tells(verdin: Description) -> None:
+    tool = gripped(verdin)
     edges = tool.edges.copy()
     tool.link = False
     tool.run(5.0)
@@ -191,8 +185,8 @@ def test_a_channel_that_the_tool_does_not_use_is_not_told_stale(tmp_path: Path) 
     assert tool.status.stale == ("bottom", "supply")
 
 
-def test_stale_while_gripping_confirms_nothing(description: Description) -> None:
-    tool = ready(description)
+def test_stale_while_gripping_confirms_nothing(verdin: Description) -> None:
+    tool = ready(verdin)
     tool.command("grip")
     tool.link = False
     tool.run(30.0)
@@ -200,16 +194,13 @@ def test_stale_while_gripping_confirms_nothing(description: Description) -> None
     assert tool.status.cause == Cause.NOT_PROVEN
     assert not any(tool.levels.values())
     tool.link = True
-    tool.run(1.0)
-    assert tool.command("drop").accepted
-    tool.run(1.0)
+    tool.play(1.0, "drop", 1.0)
     assert tool.status.ee == STAND_BY
 
 
-def test_release_error_is_latched_until_a_drop_succeeds(description: Description) -> None:
-    tool = gripped(description, "stuck-release:bottom_vacuum")
-    tool.command("drop")
-    tool.run(5.0)
+def test_release_error_is_latched_until_a_drop_succeeds(verdin: Description) -> None:
+    tool = gripped(verdin, "stuck-release:bottom_vacuum")
+    tool.play("drop", 5.0)
     assert tool.status.ee == RELEASE_ERROR
     assert tool.status.reason.startswith(
         "Everything is deactivated, but Bottom vacuum still shows feedback: bottom is at -"
@@ -224,16 +215,14 @@ def test_release_error_is_latched_until_a_drop_succeeds(description: Description
     tool.run(0.2)
     assert tool.status.ee == RELEASE_ERROR
     tool.bench.choose("nominal", tool.at)
-    tool.run(2.0)
-    assert tool.command("drop").accepted
-    tool.run(1.0)
+    tool.play(2.0, "drop", 1.0)
     assert tool.status.ee == STAND_BY
 
 
 def test_a_drop_in_stand_by_releases_once_more_what_is_not_proven_gone_and_nothing_else(
-    description: Description,
+    verdin: Description,
 ) -> None:
-    tool = ready(description)
+    tool = ready(verdin)
     refused = tool.command("drop")
     assert not refused.accepted
     assert "in STAND_BY while something is not proven to be gone" in refused.reason
@@ -259,8 +248,8 @@ def test_a_drop_in_stand_by_releases_once_more_what_is_not_proven_gone_and_nothi
     ("active", "state"),
     [((), STAND_BY), ((BOTTOM, CYLINDER, TOP), GRIPPED), ((BOTTOM,), GRIP_ERROR)],
 )
-def test_adoption_moves_no_line(description: Description, active: tuple[str, ...], state: int) -> None:
-    tool = VirtualTool(description, levels=dict.fromkeys(active, True))
+def test_adoption_moves_no_line(verdin: Description, active: tuple[str, ...], state: int) -> None:
+    tool = VirtualTool(verdin, levels=dict.fromkeys(active, True))
     tool.run(1.5)
     assert tool.status.ee == state
     assert tool.edges == []
@@ -273,34 +262,23 @@ def test_adoption_moves_no_line(description: Description, active: tuple[str, ...
     ids=["recorded active", "recorded inactive", "unknown"],
 )
 def test_what_nobody_knows_of_two_coils_is_decided_by_the_sensors_and_nothing_else(
-    description: Description, levels: dict[str, bool], state: int
+    verdin: Description, levels: dict[str, bool], state: int
 ) -> None:
     """Its sensors say gone: that never overrules a level or a record, or a broken wire would drop a part."""
-    opposite = Opposite(line="BACK", pulse_s=0.1)
-    parts = {
-        name: actuator.model_copy(update={"opposite": opposite}) if actuator.line == BOTTOM else actuator
-        for name, actuator in description.actuators.items()
-    }
-    tool = VirtualTool(description.model_copy(update={"actuators": parts}), found=levels)
+    tool = VirtualTool(with_two_coils(verdin), found=levels)
     tool.run(1.5)
     assert tool.status.ee == state
 
 
-def test_what_nobody_knows_and_no_sensor_proves_gone_is_held(description: Description) -> None:
-    parts = {
-        name: actuator.model_copy(update={"opposite": Opposite(line="BACK", pulse_s=0.1)})
-        if actuator.line == BOTTOM
-        else actuator
-        for name, actuator in description.actuators.items()
-    }
-    tool = VirtualTool(description.model_copy(update={"actuators": parts}), found={})
+def test_what_nobody_knows_and_no_sensor_proves_gone_is_held(verdin: Description) -> None:
+    tool = VirtualTool(with_two_coils(verdin), found={})
     tool.link = False
     tool.run(5.1)
     assert (tool.status.ee, tool.status.held) == (GRIP_ERROR, True)
 
 
-def test_active_outputs_without_sensors_are_a_latched_error(description: Description) -> None:
-    tool = VirtualTool(description, levels={BOTTOM: True, CYLINDER: True, TOP: True})
+def test_active_outputs_without_sensors_are_a_latched_error(verdin: Description) -> None:
+    tool = VirtualTool(verdin, levels={BOTTOM: True, CYLINDER: True, TOP: True})
     tool.link = False
     tool.run(4.9)
     assert (tool.status.ee, tool.status.held) == (OFF, True)
@@ -310,9 +288,9 @@ def test_active_outputs_without_sensors_are_a_latched_error(description: Descrip
     assert tool.edges == []
 
 
-def test_who_reads_the_link_may_start_later(description: Description) -> None:
+def test_who_reads_the_link_may_start_later(verdin: Description) -> None:
     """After a start of everything: a part that is held and proven a little later is no error."""
-    tool = VirtualTool(description, levels={BOTTOM: True, CYLINDER: True, TOP: True})
+    tool = VirtualTool(verdin, levels={BOTTOM: True, CYLINDER: True, TOP: True})
     tool.link = False
     tool.run(3.0)
     tool.link = True
@@ -321,8 +299,8 @@ def test_who_reads_the_link_may_start_later(description: Description) -> None:
     assert tool.edges == []
 
 
-def test_active_outputs_with_a_reading_that_is_invalid_wait_a_second(description: Description) -> None:
-    tool = VirtualTool(description, "invalid:top_vacuum", levels={BOTTOM: True, CYLINDER: True, TOP: True})
+def test_active_outputs_with_a_reading_that_is_invalid_wait_a_second(verdin: Description) -> None:
+    tool = VirtualTool(verdin, "invalid:top_vacuum", levels={BOTTOM: True, CYLINDER: True, TOP: True})
     tool.run(0.9)
     assert tool.status.ee == OFF
     tool.run(0.2)
@@ -340,10 +318,8 @@ def test_active_outputs_with_a_reading_that_is_invalid_wait_a_second(description
         ),
     ],
 )
-def test_interlocks_refuse_a_grip_with_a_sentence(
-    description: Description, scenario: str, reason: str
-) -> None:
-    tool = VirtualTool(description, scenario)
+def test_interlocks_refuse_a_grip_with_a_sentence(verdin: Description, scenario: str, reason: str) -> None:
+    tool = VirtualTool(verdin, scenario)
     tool.run(2.0)
     answer = tool.command("grip")
     assert not answer.accepted
@@ -351,15 +327,15 @@ def test_interlocks_refuse_a_grip_with_a_sentence(
     assert tool.edges == []
 
 
-def test_unlock_excludes_grip_and_relocks_by_itself(description: Description) -> None:
-    tool = ready(description)
+def test_unlock_excludes_grip_and_relocks_by_itself(verdin: Description) -> None:
+    tool = ready(verdin)
     assert tool.command("unlock").accepted
     assert not tool.command("grip").accepted
     tool.run(1.0)
     assert tool.status.changer == 2
     assert "IL-05" in tool.command("grip").reason
     tool.run(4.0)
-    line = description.tool_changer.line if description.tool_changer else ""
+    line = verdin.tool_changer.line if verdin.tool_changer else ""
     (on, _), (off, _) = times_of(tool, line)
     assert off - on == pytest.approx(
         2.95
@@ -369,8 +345,8 @@ def test_unlock_excludes_grip_and_relocks_by_itself(description: Description) ->
     assert not tool.command("unlock").accepted
 
 
-def test_unlock_is_refused_while_gripped(description: Description) -> None:
-    tool = gripped(description)
+def test_unlock_is_refused_while_gripped(verdin: Description) -> None:
+    tool = gripped(verdin)
     answer = tool.command("unlock")
     assert not answer.accepted
     assert answer.reason == "IL-01: unlock only in STAND_BY; the end-effector is GRIPPED."

@@ -29,9 +29,7 @@ def edited(tmp_path: Path) -> Callable[..., Description]:
 
 def run(description: Description, scenario: str = "nominal") -> VirtualTool:
     tool = VirtualTool(description, scenario)
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(60.0)
+    tool.play(1.0, "grip", 25.0)
     return tool
 
 

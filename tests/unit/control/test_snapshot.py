@@ -26,18 +26,9 @@ READ = TypeAdapter(ControllerSnapshot).validate_json
 PIECE_S = 0.13
 PLAIN = (bool, int, float, str, tuple, list, dict, frozenset, set, deque, type(None))
 CACHED = {
-    "_ends",
-    "_due",
-    "_seen",
-    "_refused",
-    "_down",
-    "_outages",
-    "_stale",
-    "_notices",
-    "_vacant",
-    "_changer_fault",
-    "_kept",
-}
+    "_ends", "_due", "_seen", "_refused", "_down", "_outages", "_stale", "_notices", "_vacant",
+    "_changer_fault", "_kept",
+}  # fmt: skip
 """What a status looks up once for an instant, or follows from what is remembered."""
 
 
@@ -77,16 +68,9 @@ def play(tool: VirtualTool) -> VirtualTool:
     tool.run(1.5)
     tool.link = True
     tool.run(3.0)
-    tool.command("drop")
-    tool.run(3.0)
-    tool.command("grip")
-    tool.run(1.0)
-    tool.command("cancel")
-    tool.run(4.0)
-    tool.command("unlock")
-    tool.run(4.0)
-    tool.command("lock")
-    tool.run(3.0)
+    for word, seconds in (("drop", 3.0), ("grip", 1.0), ("cancel", 4.0), ("unlock", 4.0), ("lock", 3.0)):
+        tool.command(word)
+        tool.run(seconds)
     return tool
 
 
@@ -177,13 +161,8 @@ def test_what_is_no_snapshot_is_refused_in_words(path: tuple[str | int, ...]) ->
 
 @pytest.mark.parametrize(
     ("name", "change"),
-    [
-        ("variables", {"ee": 99}),
-        ("variables", {"nothing": 0}),
-        ("zeros", {"nothing": 0}),
-        ("entered", 10**12),
-    ],
-)
+    [("variables", {"ee": 99}), ("variables", {"nothing": 0}), ("zeros", {"nothing": 0}), ("entered", 10**12)],
+)  # fmt: skip
 def test_a_state_that_the_network_cannot_have_is_refused(name: str, change: Any) -> None:
     tool = VirtualTool(DESCRIPTION)
     tool.run(1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from end_effector_hal.control import Answer, Controller, Status, network_of
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description
 from end_effector_hal.signals import Frame
 from end_effector_hal.vocabulary import ChangerFault, ChangerState
 
@@ -52,20 +52,15 @@ class Changer:
 
 
 @pytest.fixture(scope="module")
-def description() -> Description:
-    return load(profile_path())
-
-
-@pytest.fixture(scope="module")
-def blind(description: Description) -> Description:
+def blind(verdin: Description) -> Description:
     """The same tool without a sensor in its stand: the codec does not carry that bit."""
-    changer = description.tool_changer
+    changer = verdin.tool_changer
     assert changer
-    return description.model_copy(update={"tool_changer": changer.model_copy(update={"stand_bit": "none"})})
+    return verdin.model_copy(update={"tool_changer": changer.model_copy(update={"stand_bit": "none"})})
 
 
-def test_an_unlock_with_nothing_gripped_and_the_tool_in_its_stand(description: Description) -> None:
-    tool = Changer(description)
+def test_an_unlock_with_nothing_gripped_and_the_tool_in_its_stand(verdin: Description) -> None:
+    tool = Changer(verdin)
     assert tool.give("unlock").accepted
     assert tool.status.unlock_output
     tool.shows(locked=False, unlocked=True)
@@ -74,8 +69,8 @@ def test_an_unlock_with_nothing_gripped_and_the_tool_in_its_stand(description: D
 
 
 @pytest.mark.parametrize(("pressure", "accepted"), [(-4_900, True), (-5_100, False)])
-def test_il_01_every_vacuum_is_under_5_kpa(description: Description, pressure: int, accepted: bool) -> None:
-    answer = Changer(description, bottom=pressure).give("unlock")
+def test_il_01_every_vacuum_is_under_5_kpa(verdin: Description, pressure: int, accepted: bool) -> None:
+    answer = Changer(verdin, bottom=pressure).give("unlock")
     assert answer.accepted is accepted
     if not accepted:
         assert answer.reason.startswith("IL-01: ")
@@ -83,8 +78,8 @@ def test_il_01_every_vacuum_is_under_5_kpa(description: Description, pressure: i
 
 
 @pytest.mark.parametrize(("seconds", "accepted"), [(0.48, False), (0.54, True)])
-def test_il_01_for_half_a_second(description: Description, seconds: float, accepted: bool) -> None:
-    tool = Changer(description, top=-6_000)
+def test_il_01_for_half_a_second(verdin: Description, seconds: float, accepted: bool) -> None:
+    tool = Changer(verdin, top=-6_000)
     tool.shows(top=0)
     tool.run(seconds)
     assert tool.give("unlock").accepted is accepted
@@ -92,29 +87,24 @@ def test_il_01_for_half_a_second(description: Description, seconds: float, accep
 
 @pytest.mark.parametrize(
     ("in_stand", "present", "accepted"),
-    [
-        (True, True, True),
-        (False, True, False),
-        (False, False, True),
-        (None, False, False),
-    ],
-)
+    [(True, True, True), (False, True, False), (False, False, True), (None, False, False)],
+)  # fmt: skip
 def test_il_02_the_tool_is_in_its_stand_or_absent(
-    description: Description, in_stand: bool | None, present: bool | None, accepted: bool
+    verdin: Description, in_stand: bool | None, present: bool | None, accepted: bool
 ) -> None:
-    answer = Changer(description, in_stand=in_stand, tool_present=present).give("unlock")
+    answer = Changer(verdin, in_stand=in_stand, tool_present=present).give("unlock")
     assert answer.accepted is accepted
     assert accepted or answer.reason.startswith("IL-02: ")
 
 
-def test_without_a_reading_of_the_tool_nothing_is_locked(description: Description) -> None:
-    tool = Changer(description, tool_present=None)
+def test_without_a_reading_of_the_tool_nothing_is_locked(verdin: Description) -> None:
+    tool = Changer(verdin, tool_present=None)
     assert tool.state is ChangerState.UNKNOWN
     assert "it is UNKNOWN" in tool.give("unlock").reason
 
 
-def test_locked_needs_the_tool_and_an_absent_one_refuses_a_lock(description: Description) -> None:
-    tool = Changer(description, tool_present=False)
+def test_locked_needs_the_tool_and_an_absent_one_refuses_a_lock(verdin: Description) -> None:
+    tool = Changer(verdin, tool_present=False)
     assert tool.state is ChangerState.UNKNOWN
     assert tool.give("lock") == Answer(False, "A lock is refused: there is no tool (tool_present is off).")
     tool.shows(tool_present=True)
@@ -127,8 +117,8 @@ def test_locked_needs_the_tool_and_an_absent_one_refuses_a_lock(description: Des
     assert tool.state is ChangerState.UNKNOWN
 
 
-def test_without_a_tool_the_changer_opens_to_take_one(description: Description) -> None:
-    tool = Changer(description, tool_present=False)
+def test_without_a_tool_the_changer_opens_to_take_one(verdin: Description) -> None:
+    tool = Changer(verdin, tool_present=False)
     assert tool.give("unlock").accepted
     tool.shows(locked=False, unlocked=True)
     tool.run(0.2)
@@ -141,8 +131,8 @@ def test_without_a_tool_the_changer_opens_to_take_one(description: Description) 
     assert tool.status.changer_fault is ChangerFault.NONE
 
 
-def test_a_fault_without_a_tool_is_left_by_a_reset_alone(description: Description) -> None:
-    tool = Changer(description)
+def test_a_fault_without_a_tool_is_left_by_a_reset_alone(verdin: Description) -> None:
+    tool = Changer(verdin)
     tool.shows(locked=False, unlocked=True)
     tool.run(0.2)
     assert tool.state is ChangerState.FAULT
@@ -177,15 +167,15 @@ def test_il_02_what_was_armed_expires(blind: Description) -> None:
     assert not tool.give("unlock").accepted
 
 
-def test_nothing_is_armed_where_a_sensor_shows_it(description: Description) -> None:
-    answer = Changer(description).give("arm")
+def test_nothing_is_armed_where_a_sensor_shows_it(verdin: Description) -> None:
+    answer = Changer(verdin).give("arm")
     assert not answer.accepted
     assert answer.reason == "A sensor (in_stand) shows where the tool is: an unlock needs no arming."
 
 
 @pytest.mark.parametrize("bits", [True, False])
-def test_il_04_both_bits_or_neither_are_a_fault_until_a_reset(description: Description, bits: bool) -> None:
-    tool = Changer(description)
+def test_il_04_both_bits_or_neither_are_a_fault_until_a_reset(verdin: Description, bits: bool) -> None:
+    tool = Changer(verdin)
     tool.shows(locked=bits, unlocked=bits)
     tool.run(0.5)
     assert tool.state is ChangerState.LOCKED
@@ -204,22 +194,22 @@ def test_il_04_both_bits_or_neither_are_a_fault_until_a_reset(description: Descr
     assert tool.state is ChangerState.LOCKED
 
 
-def test_a_sensor_fault_survives_a_restart(description: Description) -> None:
-    tool = Changer(description, fault=True)
+def test_a_sensor_fault_survives_a_restart(verdin: Description) -> None:
+    tool = Changer(verdin, fault=True)
     assert (tool.state, tool.status.changer_fault) == (ChangerState.FAULT, ChangerFault.SENSOR)
     assert tool.give("reset").accepted
     assert tool.state is ChangerState.LOCKED
 
 
-def test_what_the_line_arbiter_refuses_ends_the_unlock_at_once(description: Description) -> None:
-    tool = Changer(description)
+def test_what_the_line_arbiter_refuses_ends_the_unlock_at_once(verdin: Description) -> None:
+    tool = Changer(verdin)
     assert tool.give("unlock").accepted
     tool.controller.refused(tool.at, unlock=True)
     assert (tool.state, tool.status.unlock_output) == (ChangerState.LOCKED, False)
 
 
-def test_a_lock_that_is_not_proven_in_time_is_a_fault_that_a_lock_leaves(description: Description) -> None:
-    tool = Changer(description)
+def test_a_lock_that_is_not_proven_in_time_is_a_fault_that_a_lock_leaves(verdin: Description) -> None:
+    tool = Changer(verdin)
     tool.give("unlock")
     tool.shows(locked=False, unlocked=True)
     tool.run(0.2)

@@ -114,12 +114,9 @@ def test_what_has_no_time_leads_nowhere() -> None:
     alone = run(log((0.0, 6, -1, 0), (1.0, 1, 2, 1), names=["bottom_vacuum"]))
     (row,) = compare_recordings(alone, both)["rows"]
     assert row == {
-        "first_s": None,
-        "second_s": None,
-        "lane": "Cylinder",
-        "what": "only the second recording has it",
+        "first_s": None, "second_s": None, "lane": "Cylinder", "what": "only the second recording has it",
         "shift_s": None,
-    }
+    }  # fmt: skip
 
 
 def test_nothing_different_is_one_sentence() -> None:

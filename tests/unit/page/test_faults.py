@@ -47,11 +47,8 @@ def test_what_was_armed_is_played_once() -> None:
     assert bench.obey("arm", "leak:top").accepted
     assert bench.asked == [("check", "leak:top")]
     assert bench.commands.shown(0) == {
-        "page": "one",
-        "name": "Page one",
-        "scenario": "leak:top",
-        "left_s": 10,
-    }
+        "page": "one", "name": "Page one", "scenario": "leak:top", "left_s": 10,
+    }  # fmt: skip
     assert bench.obey("go", "leak:top").accepted
     assert bench.asked == [("check", "leak:top"), ("choose", "leak:top")]
     assert bench.commands.shown(0) is None

@@ -54,9 +54,7 @@ def run_of(folder: Path, tool: Description, scenario: str, day: int, parts: Sequ
     recorded.run(1.5)
     for part in parts:
         assert recorded.command("grip", part).accepted
-        recorded.run(3.0)
-        assert recorded.command("drop").accepted
-        recorded.run(2.0)
+        recorded.play(3.0, "drop", 2.0)
     recorded.recording.close()
     return folder
 
@@ -83,9 +81,7 @@ def test_the_margin_is_that_of_the_readings_before_the_drop(tmp_path: Path, verd
     folder = run_of(tmp_path / "run", verdin, "nominal", 0)
     (grip,) = read_history(verdin, [folder]).grips
     recorded = VirtualTool(verdin)
-    recorded.run(1.5)
-    recorded.command("grip")
-    recorded.run(3.0)
+    recorded.play(1.5, "grip", 3.0)
     readings = recorded.controller.senses.now.readings
     below = -(readings.get("bottom", recorded.at) or 0) / 1000
     lost_kpa = verdin.actuators["bottom_vacuum"].lost_kpa  # type: ignore[attr-defined]

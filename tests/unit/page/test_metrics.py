@@ -45,8 +45,7 @@ def grip(watched: Watched, part: str = "", seconds: float = 4.0) -> None:
 
 
 def drop(watched: Watched) -> None:
-    assert watched.tool.command("drop").accepted
-    watched.tool.run(3.0)
+    watched.tool.play("drop", 3.0)
 
 
 def test_grips_are_counted_by_outcome_and_attempts_by_actuator(verdin: Description) -> None:
@@ -73,11 +72,7 @@ def test_grips_are_counted_by_outcome_and_attempts_by_actuator(verdin: Descripti
 
 def test_a_cancelled_and_an_aborted_grip_and_a_loss(verdin: Description) -> None:
     watched = Watched(verdin, "lost-after:top_vacuum:6")
-    watched.tool.run(1.5)
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(0.1)
-    assert watched.tool.command("cancel").accepted
-    watched.tool.run(3.0)
+    watched.tool.play(1.5, "grip", 0.1, "cancel", 3.0)
     grip(watched, seconds=10.0)
     assert samples(watched, "losses_total")["top_vacuum",] == 1
     counted = samples(watched, "grips_total")
@@ -161,9 +156,7 @@ def test_a_silent_hal_is_not_up(verdin: Description) -> None:
 def test_a_grip_of_which_the_beginning_is_missing_is_not_counted(verdin: Description) -> None:
     """After a loss of records a new header comes; the first status has events of before."""
     watched = Watched(verdin)
-    watched.tool.run(1.5)
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(0.6)
+    watched.tool.play(1.5, "grip", 0.6)
     watched.send("header", watched.now, header_of(verdin, watched.now))
     watched.tool.run(4.0)
     assert watched.tool.status.held

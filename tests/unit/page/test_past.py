@@ -214,12 +214,9 @@ def test_a_recording_that_is_none_is_not_found(number: str) -> None:
     [
         ("import time; time.sleep(600)", "The recording was not read within 0.5 s."),
         ("import os; os.abort()", "The recording cannot be read: the process that reads it has ended."),
-        (
-            "raise SystemError('x' * 100_000)",
-            "The recording cannot be read: the process that reads it has ended.",
-        ),
+        ("raise SystemError('x' * 100_000)", "The recording cannot be read: the process that reads it has ended."),
     ],
-)
+)  # fmt: skip
 def test_a_reader_that_hangs_or_dies_ends_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, script: str, said: str
 ) -> None:
@@ -231,7 +228,6 @@ def test_a_reader_that_hangs_or_dies_ends_nothing_else(
     async def run() -> None:
         past = PastRecordings(tmp_path, profile_path())
         task = past.reading("0" * 24, verdict=False)
-        assert task is not None
         turns = 0
         while not task.done():  # the page goes on meanwhile
             await asyncio.sleep(0.01)

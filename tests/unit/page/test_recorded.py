@@ -360,14 +360,11 @@ def test_a_page_of_a_folder_of_runs_says_what_to_name(grip: Path, tmp_path: Path
     ("words", "why"),
     [
         (["page", "DESCRIPTION", "DESCRIPTION"], "One description is shown at a time."),
-        (
-            ["page", "DESCRIPTION", "--from", "3"],
-            "--from, --to and --description are for recordings.",
-        ),
+        (["page", "DESCRIPTION", "--from", "3"], "--from, --to and --description are for recordings."),
         (["page", "RUN", "RUN", "RUN"], "3 recordings cannot be compared."),
         (["page", "RUN", "--from", "3", "--to", "2"], "--to 2 is not after --from 3."),
     ],
-)
+)  # fmt: skip
 def test_what_the_page_cannot_show_is_refused(grip: Path, words: list[str], why: str) -> None:
     named = [str(grip) if word == "RUN" else word for word in words]
     refused = CliRunner().invoke(eehal, named)

@@ -93,8 +93,7 @@ def test_a_grip_is_shown_as_it_goes(verdin: Description) -> None:
     assert watched.view.drawn()["sources"] == [{"name": "", "hz": 50.0}]
     assert watched.view.drawn()["parts"] == []
     assert ready["buttons"]["grip"] == ""
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(0.2)
+    watched.tool.play("grip", 0.2)
     first = watched.shown()
     assert first["state"]["goal"]["name"] == "Grip"
     assert first["state"]["goal"]["at_most_s"] == verdin.durations.grip_ms / 1000
@@ -138,8 +137,7 @@ def test_what_a_button_says_is_what_the_automata_answer(verdin: Description) -> 
 
 def test_a_failing_attempt_is_shown_with_its_time_out(verdin: Description) -> None:
     watched = Watched(verdin, "fails-once:cylinder")
-    watched.tool.run(1.5)
-    assert watched.tool.command("grip").accepted
+    watched.tool.play(1.5, "grip")
     while not (timeouts := watched.texts("time-out")):
         watched.tool.run(0.1)
     entry = next(entry for entry in watched.view.log.entries if entry["kind"] == "time-out")
@@ -159,8 +157,7 @@ def test_interlocks_say_why(verdin: Description) -> None:
     assert list(rows) == [f"IL-{number:02}" for number in range(1, 14)]
     assert rows["IL-05"]["state"] == rows["IL-07"]["state"] == "fulfilled"
     assert rows["IL-13"]["state"] == "not fitted"
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(4.0)
+    watched.tool.play("grip", 4.0)
     rows = {row["id"]: row for row in watched.shown()["interlocks"]}
     assert (rows["IL-01"]["state"], rows["IL-01"]["blocks"]) == ("blocking", "unlock")
     assert rows["IL-01"]["why"] == "unlock only in STAND_BY; the end-effector is GRIPPED."
@@ -170,15 +167,13 @@ def test_what_became_of_the_last_command_stands_until_it_is_outdated(verdin: Des
     watched = Watched(verdin)
     watched.tool.run(1.5)
     assert watched.shown()["state"]["last"] is None
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(0.2)
+    watched.tool.play("grip", 0.2)
     assert watched.shown()["state"]["last"] is None
     watched.tool.run(4.0)
     last = watched.shown()["state"]["last"]
     assert (last["outcome"], last["word"], last["reason"]) == ("SUCCEEDED", "Grip succeeded", "")
     assert 0 < last["seconds"] < 4
-    assert watched.tool.command("drop").accepted
-    watched.tool.run(0.05)
+    watched.tool.play("drop", 0.05)
     assert watched.shown()["state"]["last"] is None
     watched.tool.run(5.0)
     assert watched.shown()["state"]["last"]["word"] == "Drop succeeded"
@@ -195,9 +190,7 @@ def test_a_grip_that_ends_otherwise_is_said_with_its_reason_once_it_is_unwound(
     verdin: Description, cancelled: bool, word: str, reason: str
 ) -> None:
     watched = Watched(verdin, "never-confirms:cylinder")
-    watched.tool.run(1.5)
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(3.0)
+    watched.tool.play(1.5, "grip", 3.0)
     if cancelled:
         assert watched.tool.command("cancel").accepted
     watched.tool.run(30.0)
@@ -224,8 +217,7 @@ def test_an_e_stop_has_a_card(tmp_path: Path, scenario: str, word: str, why: str
         watched.faults = (
             Alarm(E_STOPPED, "", latched("the emergency stop was opened; reset the faults first.")),
         )
-        assert watched.tool.command("grip").accepted
-        watched.tool.run(0.2)
+        watched.tool.play("grip", 0.2)
         assert watched.shown()["state"]["e_stop"] == {"word": "STOPPED", "why": UNTIL_RESET}
 
 
@@ -239,8 +231,7 @@ def test_a_stop_is_shown_wherever_the_tool_stands(verdin: Description) -> None:
     watched.faults = (
         Alarm(STOPPED, "", latched("the tool was stopped (pid 7): nothing is activated until a reset.")),
     )
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(0.2)
+    watched.tool.play("grip", 0.2)
     shown = watched.shown()
     assert shown["stop"].startswith("Stopped: nothing is activated")
     row = next(row for row in shown["interlocks"] if row["id"] == "IL-13")
@@ -285,9 +276,7 @@ def test_without_news_nothing_counts_as_present(verdin: Description) -> None:
 
 def test_a_page_that_comes_later_stands_where_the_program_stands(verdin: Description) -> None:
     early = Watched(verdin)
-    early.tool.run(1.5)
-    assert early.tool.command("grip").accepted
-    early.tool.run(0.9)
+    early.tool.play(1.5, "grip", 0.9)
     late = ToolView(verdin, early.now)
     snapshot = json.loads(to_json(early.tool.controller.snapshot(), fallback=dict))
     for kind, content in (
@@ -315,9 +304,7 @@ def test_a_program_with_another_description_is_not_shown(verdin: Description) ->
 
 def test_clocks_have_their_bounds_as_the_constants_say(verdin: Description) -> None:
     watched = Watched(verdin)
-    watched.tool.run(1.5)
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(0.2)
+    watched.tool.play(1.5, "grip", 0.2)
     (clock,) = watched.shown()["automata"]["Gripper"]["clocks"]
     assert (clock["name"], clock["bound"], clock["limit_ms"]) == ("t", "T_CONFIRM[part][i] + D", 5050)
     assert 150_000 <= watched.now - clock["since"] <= 250_000
@@ -376,9 +363,7 @@ def test_the_margin_of_a_cylinder_is_that_of_ros(verdin: Description, supply: st
 def test_nobody_says_no_leak_before_it_is_known(verdin: Description) -> None:
     """From the beginning of the grip, and after a gap, until the window of the trend is full again."""
     watched = Watched(verdin, "leak-grows:bottom_vacuum:2")
-    watched.tool.run(1.0)
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(2.0)
+    watched.tool.play(1.0, "grip", 2.0)
     assert watched.tool.status.held
     before, unknown = 100.0, 0
     for moment in range(60):
@@ -394,17 +379,14 @@ def test_nobody_says_no_leak_before_it_is_known(verdin: Description) -> None:
 
 def test_what_is_over_is_in_the_log_once_and_is_no_alarm(verdin: Description) -> None:
     watched = Watched(verdin)
-    watched.tool.run(1.0)
-    assert watched.tool.command("grip").accepted
-    watched.tool.run(4.0)
+    watched.tool.play(1.0, "grip", 4.0)
     watched.tool.link = False
     watched.tool.run(0.4)
     watched.tool.link = True
     watched.tool.run(1.0)
     again = "Top vacuum had no valid reading for a while; it is read again."
     assert f"Over: {again}" in [each["text"] for each in watched.shown()["state"]["alarms"] if each["over"]]
-    assert watched.tool.command("drop").accepted
-    watched.tool.run(4.0)
+    watched.tool.play("drop", 4.0)
     assert watched.shown()["state"]["alarms"] == []
     assert watched.texts("over").count(again) == 1
     assert len(watched.texts("over")) == len(watched.texts("alarm")) == 4
@@ -464,8 +446,7 @@ def test_a_part_is_chosen_named_and_judged_by_its_own_values(tmp_path: Path) -> 
     assert rest["parts"] == {"panel": "", "box": ""}
     assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND_BY", "panel")
     assert [card["unused"] for card in rest["cards"]] == [False] * 3
-    assert watched.tool.command("grip", part="box").accepted
-    watched.tool.run(0.2)
+    watched.tool.play("grip box", 0.2)
     shown = watched.shown()
     assert (shown["state"]["word"], shown["state"]["judged"]) == ("GRIPPING: box", "box")
     assert shown["state"]["goal"]["name"] == "Grip box"
@@ -486,17 +467,14 @@ def test_a_part_is_chosen_named_and_judged_by_its_own_values(tmp_path: Path) -> 
 
 def test_the_part_stays_on_the_page_until_it_is_released(tmp_path: Path) -> None:
     watched = Watched(gripper_with_parts(tmp_path))
-    watched.tool.run(1.5)
-    assert watched.tool.command("grip", part="box").accepted
-    watched.tool.run(4.0)
+    watched.tool.play(1.5, "grip box", 4.0)
     held = watched.shown()
     assert held["state"]["word"] == "GRIPPED: box"
     assert [card["unused"] for card in held["cards"]] == [False, True, True]
     assert [bool(card["hold"]) for card in held["cards"]] == [True, False, False]
     assert [card["margin_kpa"] is None for card in held["cards"]] == [False, True, True]
     assert held["cards"][0]["margin_kpa"] == pytest.approx(held["cards"][0]["values"][0] - 30)
-    assert watched.tool.command("drop").accepted
-    watched.tool.run(4.0)
+    watched.tool.play("drop", 4.0)
     rest = watched.shown()
     assert (rest["state"]["word"], rest["state"]["judged"]) == ("STAND_BY", "panel")
     assert not any(card["unused"] for card in rest["cards"])

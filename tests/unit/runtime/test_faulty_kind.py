@@ -59,8 +59,7 @@ def tool(tmp_path: Path) -> Iterator[Tool]:
 
 
 def gripped(tool: Tool) -> None:
-    assert tool.command("grip").accepted
-    tool.run(100)
+    tool.play("grip", 100)
     assert tool.program.status.ee is EndEffectorState.GRIPPED
 
 
@@ -79,13 +78,9 @@ def told(tool: Tool, what: str) -> list[str]:
         ("FaultyWatch.sample()", fail, "KeyError: 'nothing of the sort'"),
         ("FaultyWatch.findings()", fail, "KeyError: 'nothing of the sort'"),
         ("FaultyWatch.findings()", lambda: None, "TypeError: 'NoneType' object is not iterable"),
-        (
-            "FaultyWatch.findings()",
-            lambda: [("leak", 3, None)],
-            "ValueError: a finding that is neither WEAK nor LEAK",
-        ),
+        ("FaultyWatch.findings()", lambda: [("leak", 3, None)], "ValueError: a finding that is neither WEAK nor LEAK"),
     ],
-)
+)  # fmt: skip
 def test_what_fails_while_a_part_is_held_lets_nothing_go(
     tool: Tool, method: str, how: Callable[[], Any], why: str
 ) -> None:
@@ -108,8 +103,7 @@ def test_what_fails_while_a_part_is_held_lets_nothing_go(
     assert tool.program.status.evidence == (Evidence.CONFIRMED,) * 3
     assert told(tool, why) == [alarm]
     broken["FaultyWatch.dropped()"] = fail
-    assert tool.command("drop").accepted
-    tool.run(100)
+    tool.play("drop", 100)
     assert tool.program.status.ee is EndEffectorState.STAND_BY
     assert not any(tool.lines.active.values())
     assert tool.program.alive

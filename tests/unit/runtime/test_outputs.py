@@ -226,14 +226,10 @@ def test_what_was_lost_and_is_not_wanted_any_more_does_not_come() -> None:
             f"While the line arbiter was lost {A} changed, which this program had not commanded; ",
         ),
         ({B: False}, False, f"After the line arbiter was lost the level of {A} was unknown; "),
-        (
-            {A: False, B: False},
-            True,
-            "The line arbiter declared this program dead and executed its last will; ",
-        ),
+        ({A: False, B: False}, True, "The line arbiter declared this program dead and executed its last will; "),
         ({B: False}, True, "The line arbiter declared this program dead and executed its last will; "),
     ],
-)
+)  # fmt: skip
 def test_why_the_lines_do_not_agree_is_what_was_found(found: dict[str, bool], dead: bool, why: str) -> None:
     """An arbiter that was restarted has declared nobody dead; a register that nothing reads back is unknown then."""
     lines = Lines()

@@ -181,6 +181,24 @@ class Tool:
             self.program.frame(self.frame())
             self.idle()
 
+    def lose(self) -> None:
+        """The line arbiter goes away, and the program is told."""
+        self.lines.away = True
+        self.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+
+    def latch(self, faults: dict[str, str]) -> None:
+        """The line arbiter says which faults it has latched."""
+        self.program.faults_changed(faults)
+        self.idle()
+
+    def play(self, *orders: str | int) -> None:
+        """Commands that are accepted, and frames between them."""
+        for order in orders:
+            if isinstance(order, str):
+                assert self.command(order).accepted, order
+            else:
+                self.run(order)
+
     def command(self, name: str, until_us: int | None = None, waits_us: int = 0) -> Answer:
         """Give a command, which waits for ``waits_us`` before it is decided."""
         return self.ask(lambda: self.program.command(name, until_us=until_us), waits_us)
@@ -233,7 +251,6 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
     """On the first visit of each state; the limits are a little above what it takes, so that a growth is seen."""
     goal = tool.lines.count = Count()
     assert tool.command("grip").accepted
-    assert goal.reached is not None
     assert goal.reached.total() <= GOAL_CALLS, goal.reached.most_common()
     for _ in range(20):
         frame, count = tool.frame(), Count()
@@ -243,7 +260,6 @@ def test_the_way_of_a_goal_and_of_a_frame_is_short_and_nothing_is_worked_out_on_
         tool.idle()
         if count.reached:
             break
-    assert count.reached is not None
     assert count.reached.total() <= FRAME_CALLS, count.reached.most_common()
     for calls in (goal.reached, count.reached):
         assert not [name for name in calls if name.startswith(("_semantics.py", "_trace.py", "_network"))]
@@ -277,7 +293,6 @@ def test_a_trace_and_a_stream_are_handed_nothing_before_the_line_is_asked_for(tm
     goal = tool.lines.count = Count()
     assert tool.command("grip").accepted
     recorder.close()
-    assert goal.reached is not None
     assert goal.reached["_recorded_controller.py:RecordedController.command"] == 1
     assert not [
         name
@@ -302,11 +317,9 @@ def test_a_status_is_built_once_for_each_step_of_the_automata(
     monkeypatch.setattr(StatusBuilder, "step", lambda *given: (steps.append(given[1]), step(*given))[1])
     monkeypatch.setattr(Foresight, "go_on", lambda _: False)  # it builds statuses that are not published
     tool.statuses.clear()
-    assert tool.command("grip").accepted
-    tool.run(100)
+    tool.play("grip", 100)
     assert tool.program.status.ee is EndEffectorState.GRIPPED
-    assert tool.command("drop").accepted
-    tool.run(100)
+    tool.play("drop", 100)
     assert tool.program.status.ee is EndEffectorState.STAND_BY
     assert len(steps) > 20
     published = [replace(each, begun=0, count=0) for each in tool.statuses]
@@ -315,17 +328,14 @@ def test_a_status_is_built_once_for_each_step_of_the_automata(
 
 
 def test_nothing_is_begun_while_the_line_arbiter_is_away(tool: Tool) -> None:
-    tool.lines.away = True
-    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.lose()
     tool.idle()
     answer = tool.command("grip")
     assert not answer.accepted
     assert answer.reason == "Nothing can be activated while the line arbiter is lost."
     assert tool.program.status.ee is EndEffectorState.STAND_BY
     tool.lines.away = False
-    tool.run(20)
-    assert tool.command("grip").accepted
-    tool.run(100)
+    tool.play(20, "grip", 100)
     status = tool.program.status
     assert status.ee is EndEffectorState.GRIPPED
     assert [report.attempts for report in status.steps] == [1, 1, 1]
@@ -363,9 +373,7 @@ def test_a_client_of_the_stream_drives_one_actuator_under_the_lease(tool: Tool) 
     assert tool.lines.active[line]
     tool.run(20)
     assert not any(tool.lines.active.values())
-    tool.run(150)
-    assert tool.command("grip").accepted
-    tool.run(100)
+    tool.play(150, "grip", 100)
     assert ask("deactivate", "cylinder").reason.startswith("IL-12: a part is held")
     assert tool.lines.active[line]
 
@@ -374,8 +382,7 @@ def test_a_client_of_the_stream_drives_one_actuator_under_the_lease(tool: Tool) 
 def test_a_drop_without_the_line_arbiter_ends_unreachable_and_is_not_carried_out_later(
     tool: Tool, noticed: bool
 ) -> None:
-    assert tool.command("grip").accepted
-    tool.run(100)
+    tool.play("grip", 100)
     tool.lines.away = True
     if noticed:
         tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
@@ -392,20 +399,16 @@ def test_a_drop_without_the_line_arbiter_ends_unreachable_and_is_not_carried_out
     tool.run(400)
     assert all(gripping(tool))
     assert (tool.program.status.ee, tool.program.status.arbiter_lost) == (EndEffectorState.GRIPPED, False)
-    assert tool.command("drop").accepted
-    tool.run(200)
+    tool.play("drop", 200)
     assert not any(tool.lines.active.values())
 
 
 def test_an_unwinding_that_ends_without_the_line_arbiter_is_given_up(tool: Tool) -> None:
     """Its first line is written; what it could not write is not written after its end."""
-    assert tool.command("grip").accepted
-    tool.run(100)
-    assert tool.command("drop").accepted
+    tool.play("grip", 100, "drop")
     left = dict(tool.lines.active)
     assert list(left.values()) == [True, True, False, False]
-    tool.lines.away = True
-    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.lose()
     tool.run(10)
     releasing = tool.program.status
     assert (releasing.ee, releasing.outputs) == (EndEffectorState.RELEASING, (True, True, False))
@@ -439,8 +442,7 @@ def test_nothing_is_told_as_held_before_the_last_will_that_holds_it_has_arrived(
     assert tool.command("grip").accepted
     while not all(gripping(tool)):
         tool.run(1)
-    tool.lines.away = True
-    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.lose()
     tool.run(30)
     assert tool.program._adoption.controller.status().ee is EndEffectorState.GRIPPED
     tool.lines.active[tool.description.actuators["top_vacuum"].line] = False  # and its feedback goes
@@ -457,8 +459,7 @@ def test_the_events_of_what_was_withheld_come_with_what_is_published_next(tool: 
     assert tool.command("grip").accepted
     while not all(gripping(tool)):
         tool.run(1)
-    tool.lines.away = True
-    tool.program.arbiter_lost(ArbiterError("the line arbiter is away."))
+    tool.lose()
     tool.run(30)
     assert tool.program._adoption.controller.status().ee is EndEffectorState.GRIPPED
     assert tool.program.status.ee is EndEffectorState.GRIPPING
@@ -488,11 +489,7 @@ def test_a_step_that_was_looked_ahead_at_is_the_one_that_is_taken() -> None:
     prepared, other = Tool(), Tool()
     other.idle = other.worker.work  # type: ignore[method-assign]
     for tool in (prepared, other):
-        tool.run(60)
-        assert tool.command("grip").accepted
-        tool.run(100)
-        assert tool.command("drop").accepted
-        tool.run(100)
+        tool.play(60, "grip", 100, "drop", 100)
     assert prepared.statuses == other.statuses
 
 
@@ -558,13 +555,10 @@ STOP = "IL-13: the tool was stopped (pid 7, eehal stop): nothing is activated un
 )
 def test_a_stop_cancels_a_grip_as_is_declared(cancel: str, ends: EndEffectorState) -> None:
     tool = Tool(declared({"gripping": {"cancel": cancel}}))
-    tool.run(60)
-    assert tool.command("grip").accepted
-    tool.run(2)
+    tool.play(60, "grip", 2)
     assert tool.program.status.ee is EndEffectorState.GRIPPING
     before = dict(tool.lines.active)
-    tool.program.faults_changed({"stop": STOP})
-    tool.idle()
+    tool.latch({"stop": STOP})
     tool.run(40)
     status = tool.program.status
     assert (status.ee, status.cause) == (ends, Cause.CANCELLED)
@@ -573,17 +567,13 @@ def test_a_stop_cancels_a_grip_as_is_declared(cancel: str, ends: EndEffectorStat
 
 
 def test_a_stop_holds_what_is_held_and_refuses_a_grip_until_a_reset(tool: Tool) -> None:
-    tool.program.faults_changed({"stop": STOP})
-    tool.idle()
+    tool.latch({"stop": STOP})
     assert tool.command("grip") == Answer(False, STOP)
-    tool.program.faults_changed({})
-    tool.idle()
-    assert tool.command("grip").accepted
-    tool.run(60)
+    tool.latch({})
+    tool.play("grip", 60)
     assert tool.program.status.ee is EndEffectorState.GRIPPED
     before = dict(tool.lines.active)
-    tool.program.faults_changed({"stop": STOP})
-    tool.idle()
+    tool.latch({"stop": STOP})
     tool.run(40)
     assert tool.program.status.ee is EndEffectorState.GRIPPED
     assert tool.lines.active == before
@@ -593,17 +583,13 @@ def test_a_stop_holds_what_is_held_and_refuses_a_grip_until_a_reset(tool: Tool) 
 def test_an_open_e_stop_refuses_a_grip_at_once_until_a_reset_and_cancels_nothing(tool: Tool) -> None:
     opened = "IL-13: the emergency stop was opened."
     tool.run(60)
-    tool.program.faults_changed({"e_stop_closed": opened})
-    tool.idle()
+    tool.latch({"e_stop_closed": opened})
     refused = Answer(False, f"{opened} Nothing is activated until it is closed and the faults are reset.")
     assert tool.command("grip") == refused
     assert tool.program.status.ee is EndEffectorState.STAND_BY
-    tool.program.faults_changed({})
-    tool.idle()
-    assert tool.command("grip").accepted
-    tool.run(2)
-    tool.program.faults_changed({"e_stop_closed": opened})
-    tool.idle()
+    tool.latch({})
+    tool.play("grip", 2)
+    tool.latch({"e_stop_closed": opened})
     assert tool.program.status.ee is EndEffectorState.GRIPPING, "only the next activation is refused"
 
 
@@ -666,16 +652,13 @@ def test_the_sensor_fault_is_latched_with_its_reason_and_cleared_by_a_reset(tool
     assert tool.lines.faults == {SENSOR_FAULT: tool.program.status.changer_reason}
     assert tool.lines.faults[SENSOR_FAULT].startswith("IL-04: ")
     tool.frame = frame  # type: ignore[method-assign]
-    tool.run(10)
-    assert tool.command("reset").accepted
-    tool.run(10)
+    tool.play(10, "reset", 10)
     assert tool.lines.faults == {}
 
 
 def test_a_lock_that_waits_for_its_line_is_told_at_once(tool: Tool) -> None:
     """A line may have to settle (IL-10), a coil to rest: what is at rest meanwhile is not withheld, for it is known."""
-    assert tool.command("unlock").accepted
-    tool.run(20)
+    tool.play("unlock", 20)
     assert tool.program.status.changer is ChangerState.UNLOCKED
     tool.lines.delay_us = 100_000
     assert tool.command("lock").accepted
@@ -685,11 +668,9 @@ def test_a_lock_that_waits_for_its_line_is_told_at_once(tool: Tool) -> None:
 
 
 def test_a_release_is_told_when_its_line_has_settled(tool: Tool) -> None:
-    assert tool.command("grip").accepted
-    tool.run(100)
+    tool.play("grip", 100)
     tool.lines.delay_us = 100_000
-    assert tool.command("drop").accepted
-    tool.run(200)
+    tool.play("drop", 200)
     assert tool.program._adoption.controller.status().ee is EndEffectorState.STAND_BY
     assert tool.program.status.ee is EndEffectorState.RELEASING
     tool.lines.delay_us = 0

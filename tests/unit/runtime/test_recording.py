@@ -162,7 +162,6 @@ def test_switches_are_recorded_without_a_pressure_and_what_they_prove(tmp_path: 
         recording.values(start + 10_000, {"jaw_open": 1, "jaw_closed": 0, "estop_ok": 1})  # as ROS has them
         recording.values(start + SECOND, {"jaw_open": None, "jaw_closed": True, "estop_ok": True})
     log = read_switches(tmp_path / "switches.csv")
-    assert log is not None
     assert (log.channels, log.rows) == (
         ("jaw_open", "jaw_closed", "estop_ok"), ((0.0, (True, False, True)), (1.0, (None, True, True)))
     )  # fmt: skip
