@@ -17,13 +17,11 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import read_run
 from end_effector_hal.verification.proof import Proof, prove
 from tests.unit.conftest import Whole
-from tests.unit.timed_automata.explore.models import Template, document
+from tests.unit.timed_automata.explore.models import document
 from timed_automata import Network
 
-PRESSES = Template(
-    "P", ["up -> down; guard: x >= 2; do: x = 0", "down -> up; guard: x >= 1"], invariants={"down": "x <= 3"}
-)
-COUNTS = Template("P", ["a -> a; guard: x >= 2; do: n = n + 1, x = 0"], invariants={"a": "x <= 4"})
+PRESSES = "P: down: x <= 3 | up -> down; guard: x >= 2; do: x = 0 | down -> up; guard: x >= 1"
+COUNTS = "P: a: x <= 4 | a -> a; guard: x >= 2; do: n = n + 1, x = 0"
 
 
 @pytest.fixture(autouse=True)
@@ -31,7 +29,7 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def written(declarations: str, template: Template, *queries: tuple[str, str]) -> None:
+def written(declarations: str, template: str, *queries: tuple[str, str]) -> None:
     Path("model.xml").write_bytes(document(declarations, template, queries=queries))
 
 
@@ -101,7 +99,7 @@ def test_a_counterexample_is_told_and_written() -> None:
 
 
 def test_however_much_fails_it_is_told_on_a_page() -> None:
-    counted = Template("P", ["a -> a; guard: x >= 2; do: n = n + 1, x = 0"], invariants={"a": "x <= 4"})
+    counted = "P: a: x <= 4 | a -> a; guard: x >= 2; do: n = n + 1, x = 0"
     queries = [(f"A[] n < {number}", f"[few-{number}] Under {number}.") for number in range(20, 40)]
     written("clock x; int[0,100] n;", counted, *queries)
     Path("model.xml").write_text(
@@ -138,11 +136,10 @@ def test_what_does_not_apply_is_counted_and_all_lists_it() -> None:
     assert "no run leads there" in told
 
 
-FLICKERS = Template(
-    "P",
-    ["up -> down; guard: x >= 2; do: x = 0", "down -> up; guard: x >= 1", "up -> up; guard: FREE_SENSORS"],
-    invariants={"down": "x <= 3"},
-)
+FLICKERS = """P: down: x <= 3
+    up -> down; guard: x >= 2; do: x = 0
+    down -> up; guard: x >= 1
+    up -> up; guard: FREE_SENSORS"""
 
 
 def test_free_sensors_are_a_constant_of_the_file_and_need_not_let_time_diverge() -> None:
@@ -183,25 +180,15 @@ def test_a_value_out_of_range_comes_with_its_run() -> None:
     [
         ("clock x;", "x' == 0", "A[] true", r"model\.xml:1:\d+: .*stopwatch"),
         ("clock x, y;", "x - y <= 3", "A[] true", r"model\.xml:1:\d+: .*diagonal"),
-        (
-            "int n;",
-            "n == 1",
-            "A[] true",
-            r"model\.xml:1:\d+: The invariant 'n == 1' does not hold in the initial",
-        ),
-        (
-            "clock x;",
-            "x < 0",
-            "A[] true",
-            r"model\.xml:1:\d+: The invariant 'x < 0' does not hold in the initial",
-        ),
+        ("int n;", "n == 1", "A[] true", r"model\.xml:1:\d+: The invariant 'n == 1' does not hold in the initial"),
+        ("clock x;", "x < 0", "A[] true", r"model\.xml:1:\d+: The invariant 'x < 0' does not hold in the initial"),
         ("struct { clock a; } s;", "true", "A[] true", r"model\.xml:1:\d+: .*structure"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_checked_is_said_with_its_place(
     declarations: str, invariant: str, query: str, message: str, whole: Whole
 ) -> None:
-    written(declarations, Template("P", ["a -> b"], invariants={"a": invariant}), (query, ""))
+    written(declarations, f"P: a: {invariant} | a -> b", (query, ""))
     code, _, told = whole("verify", "--model", "model.xml")
     assert (code, bool(re.search(message, told))) == (2, True)
 
@@ -266,13 +253,8 @@ def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() ->
     assert clock.deadline_s == pytest.approx(info.violated_s - 0.001)
     assert observer.points == ()
     assert sorted(path.name for path in Path("found/release").iterdir()) == [
-        "events.csv",
-        "run.json",
-        "run.txt",
-        "states.csv",
-        "timeline.png",
-        "timeline.svg",
-    ]
+        "events.csv", "run.json", "run.txt", "states.csv", "timeline.png", "timeline.svg",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -285,7 +267,7 @@ def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() ->
 def test_a_query_that_cannot_be_asked_is_open_and_the_others_are_answered(
     query: str, message: str, whole: Whole
 ) -> None:
-    written("clock x;", Template("P", ["a -> b"]), ("E<> P.b", ""), (query, ""), ("A[] P.a", ""))
+    written("clock x;", "P: a -> b", ("E<> P.b", ""), (query, ""), ("A[] P.a", ""))
     code, told, _ = whole("verify", "--model", "model.xml")
     assert code == 4
     marks = [line.split()[0] for line in told.splitlines() if line.startswith(("holds", "open", "FAILS"))]
@@ -295,9 +277,7 @@ def test_a_query_that_cannot_be_asked_is_open_and_the_others_are_answered(
 
 
 def test_a_proof_that_takes_too_much_memory_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
-    counts = Template(
-        "P", ["a -> a; guard: x >= 1; do: n = (n + 1) % 3000, x = 0"], invariants={"a": "x <= 1"}
-    )
+    counts = "P: a: x <= 1 | a -> a; guard: x >= 1; do: n = (n + 1) % 3000, x = 0"
     written("clock x; int[0,2999] n;", counts, ("A[] n >= 0", "[least] Not less."))
     monkeypatch.setattr("end_effector_hal.verification.proof._memory.TIMES_LEFT", 0)
     result = run("--model", "model.xml")

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 
 from tests.support.nightly import NIGHTLY, PHASES, examples
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, networks
 from tests.unit.timed_automata.explore.regions import Region, Regions, Sampled
 from timed_automata import Network, make_network
@@ -22,32 +22,20 @@ from tools.mutants._edited import edited_places
 pytestmark = pytest.mark.timeout(3600 if NIGHTLY else 120)
 
 DECLARATIONS = "int[0, 3] told; broadcast chan go, done;"
-WORLD = Template("World", ["w -> w; guard: c >= 2; sync: go!; do: c = 0"], declarations="clock c;")
+WORLD = "World: own: clock c; | w -> w; guard: c >= 2; sync: go!; do: c = 0"
 
 
 def lamp(**changed: str) -> Network:
     """A lamp that is lit for 5 to 6, with one of its texts changed."""
     texts = {
-        "lit": "u = 0, n = 2, told = n",
-        "guard": "u >= 5",
-        "invariant": "u <= 6",
-        "out": "told = 0",
-        "target": "Off",
-        "more": "",
-    } | changed
-    edges = [
-        f"Off -> Lit; sync: go?; do: {texts['lit']}",
-        f"Lit -> {texts['target']}; guard: {texts['guard']}; sync: done!; do: {texts['out']}",
-    ]
-    edges += [texts["more"]] if texts["more"] else []
-    Lamp = Template(
-        "Lamp",
-        edges,
-        declarations="clock u; int[0, 3] n; bool odd;",
-        invariants={"Lit": texts["invariant"]},
-        locations="Off Lit Out",
-    )
-    return network(DECLARATIONS, Lamp, WORLD)
+        "lit": "u = 0, n = 2, told = n", "guard": "u >= 5", "invariant": "u <= 6", "out": "told = 0",
+        "target": "Off", "more": "",
+    } | changed  # fmt: skip
+    lamp = f"""Lamp: own: clock u; int[0, 3] n; bool odd; | locations: Off Lit Out | Lit: {texts["invariant"]}
+        Off -> Lit; sync: go?; do: {texts["lit"]}
+        Lit -> {texts["target"]}; guard: {texts["guard"]}; sync: done!; do: {texts["out"]}
+        {texts["more"]}"""
+    return network(DECLARATIONS, lamp, WORLD)
 
 
 SAME = {
@@ -55,14 +43,11 @@ SAME = {
     "a bound that another one implies": {"guard": "u >= 5 && u <= 6"},
     "an edge that is never taken": {"more": "Lit -> Off; guard: u > 6"},
     "an edge that stands twice": {"more": "Lit -> Off; guard: u >= 5; sync: done!; do: told = 0"},
-    "the two halves of an edge": {
-        "guard": "u > 5",
-        "more": "Lit -> Off; guard: u == 5; sync: done!; do: told = 0",
-    },
+    "the two halves of an edge": {"guard": "u > 5", "more": "Lit -> Off; guard: u == 5; sync: done!; do: told = 0"},
     "a clock that is set before it is asked for": {"out": "told = 0, u = 3"},
     "a variable of its own that is written before it is read": {"out": "told = 0, n = 1"},
     "a variable of its own that nobody reads": {"lit": "u = 0, n = 2, told = n, odd = !odd"},
-}
+}  # fmt: skip
 OTHER = {
     "a guard that holds later": {"guard": "u >= 6"},
     "a guard that holds at all but one instant": {"guard": "u > 5"},
@@ -173,9 +158,7 @@ def test_the_reference_tells_what_differs_and_what_does_not() -> None:
 
 def test_with_other_constants_every_state_is_looked_at() -> None:
     """The documents are the same one, and the networks do different things."""
-    model = network(
-        "const int HIGH = 3; int[0, 9] n;", Template("Counter", ["a -> a; guard: n < HIGH; do: n++"])
-    )
+    model = network("const int HIGH = 3; int[0, 9] n;", "Counter: a -> a; guard: n < HIGH; do: n++")
     document, reached = model.document, ReachedNetwork(model, ())
     assert reached.equivalent(make_network(document, {"HIGH": 3}))
     assert not reached.equivalent(make_network(document, {"HIGH": 4}))
@@ -205,10 +188,8 @@ def test_only_states_in_which_something_was_edited_are_looked_at() -> None:
             assert places[0].locations == {edited_at, *into}
 
 
-COUNTER = """int[0, 9] n;
-int one() { return 1; }
-int[0, 9] next() { return n < 3 ? n + one() : 0; }
-int two() { return 2; }"""
+COUNTER = "int[0, 9] n; int one() { return 1; } int two() { return 2; }"
+NEXT = "int[0, 9] next() { return n < 3 ? n + one() : 0; }"
 
 
 @pytest.mark.parametrize(
@@ -221,10 +202,10 @@ int two() { return 2; }"""
     ],
 )
 def test_an_edited_function_counts_where_it_is_called(old: str, new: str, places: set[int] | None) -> None:
-    edges = ["a -> b; do: n = next()", "b -> c; guard: two() > 0", "c -> a"]
-    model = network("", Template("Counter", edges, declarations=COUNTER))
+    model = network(
+        "", f"Counter: own: {COUNTER} {NEXT} | a -> b; do: n = next() | b -> c; guard: two() > 0 | c -> a"
+    )
     (template,) = model.document.templates
-    assert template.declarations is not None
     text = Text.plain(template.declarations.content.replace(old, new), "edited")
     edited = replace(model.document, templates=(replace(template, declarations=text),))
     found = edited_places(model, make_network(edited))

@@ -8,7 +8,6 @@ from random import Random
 import pytest
 
 from end_effector_hal.control import load_automata, model_constants
-from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
 from tests.support.nightly import NIGHTLY, first_of
 from timed_automata import make_network
@@ -20,25 +19,20 @@ PARTS = 1 if NIGHTLY else 3
 
 
 @pytest.fixture(scope="module")
-def tool():  # type: ignore[no-untyped-def]
-    return load(profile_path())
+def baselines(verdin) -> Baselines:  # type: ignore[no-untyped-def]
+    return Baselines(load_automata(verdin), model_constants(verdin), EXECUTED)
 
 
 @pytest.fixture(scope="module")
-def baselines(tool) -> Baselines:  # type: ignore[no-untyped-def]
-    return Baselines(load_automata(tool), model_constants(tool), EXECUTED)
-
-
-@pytest.fixture(scope="module")
-def shipped(tool) -> Baseline:  # type: ignore[no-untyped-def]
-    return Baseline(load_automata(tool), model_constants(tool), EXECUTED)
+def shipped(verdin) -> Baseline:  # type: ignore[no-untyped-def]
+    return Baseline(load_automata(verdin), model_constants(verdin), EXECUTED)
 
 
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("part", first_of(range(PARTS)))
-def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  # type: ignore[no-untyped-def]
+def test_a_requirement_notices_each_edit(verdin, baselines, part: int) -> None:  # type: ignore[no-untyped-def]
     """An ordinary run leaves out what the shipped tool switches off: it is judged at night, with other tools."""
-    network, constants = load_automata(tool), model_constants(tool)
+    network, constants = load_automata(verdin), model_constants(verdin)
     if NIGHTLY:
         found = list(judge_all(network, constants, EXECUTED, sample=SAMPLE, seed=SEED))
     else:
@@ -56,9 +50,9 @@ def test_a_requirement_notices_each_edit(tool, baselines, part: int) -> None:  #
 
 
 @pytest.mark.thinned  # long
-def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool, shipped) -> None:  # type: ignore[no-untyped-def]
+def test_a_requirement_that_is_taken_away_lets_its_mutant_live(verdin, shipped) -> None:  # type: ignore[no-untyped-def]
     """The judge says that nothing notices where nothing does."""
-    network, constants = load_automata(tool), model_constants(tool)
+    network, constants = load_automata(verdin), model_constants(verdin)
     edit = next(
         each
         for each in mutants(network.document, ["Changer"])
@@ -73,9 +67,9 @@ def test_a_requirement_that_is_taken_away_lets_its_mutant_live(tool, shipped) ->
 
 
 @pytest.mark.thinned  # long
-def test_an_edit_that_changes_nothing_is_equivalent(tool, shipped) -> None:  # type: ignore[no-untyped-def]
+def test_an_edit_that_changes_nothing_is_equivalent(verdin, shipped) -> None:  # type: ignore[no-untyped-def]
     """At ``Clearing`` the next actuator has the same time-out, unless the description says otherwise."""
-    network, constants = load_automata(tool), model_constants(tool)
+    network, constants = load_automata(verdin), model_constants(verdin)
     edit = next(
         each
         for each in mutants(network.document, ["Gripper"])
@@ -99,9 +93,9 @@ def test_an_edit_that_changes_nothing_is_equivalent(tool, shipped) -> None:  # t
     ],
 )
 def test_an_edit_that_makes_no_difference_is_no_survivor(  # type: ignore[no-untyped-def]
-    tool, baselines, template: str, element: str, new: str
+    verdin, baselines, template: str, element: str, new: str
 ) -> None:
-    document = load_automata(tool).document
+    document = load_automata(verdin).document
     (edit,) = (each for each in mutants(document, [template]) if (each.element, each.new) == (element, new))
     assert judge(edit, next(iter(baselines))).outcome == MutantOutcome.EQUIVALENT
 
@@ -121,11 +115,7 @@ def test_an_edit_that_switches_an_edge_on_is_judged(shipped) -> None:  # type: i
     [
         ("Gripper", "Step -> Reset, assignment", "1", ("second-attempt", "one step")),
         pytest.param(
-            "Gripper",
-            "Abort -> Unwind, assignment",
-            "1",
-            ("forgotten", "one step"),
-            marks=pytest.mark.thinned,
+            "Gripper", "Abort -> Unwind, assignment", "1", ("forgotten", "one step"), marks=pytest.mark.thinned
         ),
         pytest.param(
             "Arming",
@@ -135,11 +125,11 @@ def test_an_edit_that_switches_an_edge_on_is_judged(shipped) -> None:  # type: i
             marks=pytest.mark.thinned,
         ),
     ],
-)
+)  # fmt: skip
 def test_what_one_tool_switches_off_is_judged_with_another(  # type: ignore[no-untyped-def]
-    tool, baselines, template: str, element: str, new: str, by: tuple[str, str]
+    verdin, baselines, template: str, element: str, new: str, by: tuple[str, str]
 ) -> None:
-    document = load_automata(tool).document
+    document = load_automata(verdin).document
     edit = next(
         each
         for each in mutants(document, [template])
@@ -161,21 +151,13 @@ ONCE_UNNOTICED = [
         "blow-due",
         "one step, blown off",
     ),
-    (
-        "Empty -> Abort, assignment: constant, 'EMPTY'",
-        "cause-at",
-        "one step, evidence of nothing, no tool changer",
-    ),
+    ("Empty -> Abort, assignment: constant, 'EMPTY'", "cause-at", "one step, evidence of nothing, no tool changer"),
     ("'Gap -> Check' -> 'Gap -> Rest'", "blow-needed", "one is blown off, a cancel holds the other"),
     ("needless: condition dropped, 'UNTIL_GONE[now()] && ", "blow-needed", "both are blown off"),
     ("Blown -> Rest, assignment: constant, '0' -> '1'", "blow-gap", "one step, blown off"),
     ("Gap -> Check, assignment: assignment dropped", "time", "one step, blown off"),
     ("function ready: condition dropped, '(!IL_07 || clear()) && fastened() &&", "accepted", "one step"),
-    (
-        "function ready: condition dropped, '!IL_06 || supply_ok' -> 'supply_ok'",
-        "refused-for",
-        "one step, no IL-06",
-    ),
+    ("function ready: condition dropped, '!IL_06 || supply_ok' -> 'supply_ok'", "refused-for", "one step, no IL-06"),
     (
         "liftable, which no template calls: condition dropped, 'ee == GRIPPED && firm() && fastened()'",
         "lift",
@@ -209,25 +191,23 @@ ONCE_UNNOTICED = [
     ("StandBy -> Unwind, guard: condition dropped, '!clear()' -> 'true'", "drops-all", "one step"),
     ("StandBy -> Unwind, synchronisation: synchronisation, 'drop' -> 'resume'", "drops", "one step"),
     ("'changer == 0 && tool == ABSENT' -> 'changer == 0'", "arm-refused", "no sensors of the stand"),
-]
+]  # fmt: skip
 """Edits that no requirement noticed before: words of them, which one does today, and of which tool it is asked."""
 
 
 @pytest.mark.parametrize(
-    "case",
-    first_of(sorted(ONCE_UNNOTICED, key=lambda each: each[1] != "armed"), 0, 2),
-    ids=lambda each: each[1],
-)
-def test_what_was_not_noticed_once(tool, baselines, case: tuple[str, str, str]) -> None:  # type: ignore[no-untyped-def]
+    "case", first_of(sorted(ONCE_UNNOTICED, key=lambda each: each[1] != "armed"), 0, 2), ids=lambda each: each[1]
+)  # fmt: skip
+def test_what_was_not_noticed_once(verdin, baselines, case: tuple[str, str, str]) -> None:  # type: ignore[no-untyped-def]
     words, by, variant = case
     baseline = next(each for each in baselines if each.variant == variant)
-    given = model_constants(tool)
-    edits = [each for each in mutants(load_automata(tool).document, EXECUTED, given) if words in str(each)]
+    given = model_constants(verdin)
+    edits = [each for each in mutants(load_automata(verdin).document, EXECUTED, given) if words in str(each)]
     assert by in {id_ for each in edits for id_ in judge(each, baseline).caught_by}
 
 
 @pytest.mark.thinned  # long
-def test_a_file_that_fails_itself_judges_nothing(tool) -> None:  # type: ignore[no-untyped-def]
-    network, constants = load_automata(tool), model_constants(tool) | {"GRIP_BOUND": 1}
+def test_a_file_that_fails_itself_judges_nothing(verdin) -> None:  # type: ignore[no-untyped-def]
+    network, constants = load_automata(verdin), model_constants(verdin) | {"GRIP_BOUND": 1}
     with pytest.raises(UsageError, match="Does not hold of the file as it is"):
         Baseline(make_network(network.document, constants), constants, EXECUTED)

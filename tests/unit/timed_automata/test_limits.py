@@ -16,7 +16,6 @@ from timed_automata._limits import (
     ELEMENTS,
     FILE_BYTES,
     NESTING,
-    PARTS,
     PROCESSES,
     REPEATS,
     TEXT_CHARACTERS,
@@ -25,7 +24,7 @@ from timed_automata._limits import (
 )
 from timed_automata.compiler._expressions import Expressions
 from timed_automata.language import _parser
-from timed_automata.network import _definitions
+from timed_automata.network import _definitions, _templates
 
 BIG = 2_000_000_000
 
@@ -59,41 +58,26 @@ DECLARED: list[tuple[str, str]] = [
     (f"const int N = {'9' * 5000};", f"A number of 5000 digits. Expected at most {DIGITS} digits."),
     (f"int a[{'1' * 11}];", f"A number of 11 digits. Expected at most {DIGITS} digits."),
     (f"const int N = sum (i : int[0, {BIG}]) i;", f"runs through {BIG + 1} values, more than {REPEATS}."),
-    (
-        f"int f() {{ for (i : int[0, {BIG}]) {{ }} return 1; }} const int N = f();",
-        f"{BIG + 1} values, more than",
-    ),
-    (
-        "const int N = sum (i : int[0, 99]) sum (j : int[0, 99]) sum (k : int[0, 1]) k;",
-        "runs through 20000 values",
-    ),
+    (f"int f() {{ for (i : int[0, {BIG}]) {{ }} return 1; }} const int N = f();", f"{BIG + 1} values, more than"),
+    ("const int N = sum (i : int[0, 99]) sum (j : int[0, 99]) sum (k : int[0, 1]) k;", "runs through 20000 values"),
     (
         f"int f() {{ return sum (i : int[0, 999]) i; }} const int N = {'sum (j : int[0, 10]) '}f();",
         "'f()' runs through 11000 values",
     ),
-    (
-        "int f() { int s = 0; for (i : int[0, 99]) for (j : int[0, 100]) s = 0; return s; }",
-        "runs through 10100 values",
-    ),
+    ("int f() { int s = 0; for (i : int[0, 99]) for (j : int[0, 100]) s = 0; return s; }", "runs through 10100 values"),
     (f"const int N = {'*'.join(['9999999999'] * 3)};", "has 67 bits. UPPAAL computes with 32."),
     (f"int a[{BIG}];", f"'a' has {BIG} elements, more than {ELEMENTS}."),
     ("chan c[int[0, 99999]][2];", f"'c' has 200000 elements, more than {ELEMENTS}."),
-    (
-        "".join(f"int a{n}[60000]; " for n in range(2)),
-        f"With 'a1' more than {ELEMENTS} elements are declared.",
-    ),
+    ("".join(f"int a{n}[60000]; " for n in range(2)), f"With 'a1' more than {ELEMENTS} elements are declared."),
     (f"void f() {{ int a[{BIG}]; }}", "elements, more than"),
     (f"void f() {{ {'{' * 600} {'}' * 600} }}", DEEP),
     (f"int a[1] = {'{' * 600}1{'}' * 600};", DEEP),
     (f"int a = {'(' * 30_000}1{')' * 30_000};", DEEP),
     (f"int v; {' ' * TEXT_CHARACTERS}", f"more than {TEXT_CHARACTERS}. Break it into parts."),
-]
+]  # fmt: skip
 GUARDS: list[tuple[str, str]] = [
     (f"1 == {'9' * 5000}", "A number of 5000 digits."),
-    (
-        f"forall (i : int[0, {BIG}]) v >= i",
-        f"runs through {BIG + 1} values, more than {REPEATS}. Take a smaller",
-    ),
+    (f"forall (i : int[0, {BIG}]) v >= i", f"runs through {BIG + 1} values, more than {REPEATS}. Take a smaller"),
     (f"exists (i : int[0, {BIG}]) v >= i", f"runs through {BIG + 1} values"),
     (f"forall (i : int[{-BIG}, {BIG}]) i == i", f"runs through {2 * BIG + 1} values"),
     ("".join(f"forall (i{n} : int[0, 7]) " for n in range(9)) + "v >= i0", "runs through 32768 values"),
@@ -102,11 +86,12 @@ GUARDS: list[tuple[str, str]] = [
     (f"{'!' * 60_000}v", DEEP),
     (f"{'not ' * 10_000}v", DEEP),
     (f"{'- ' * 30_000}v", DEEP),
+    (f"v{'+v' * 3_000}", "nested too deeply"),
     (f"v{'+v' * 30_000}", "nested too deeply"),
     (f"{'v ? ' * 5_000}1{' : 1' * 5_000}", "nested too deeply"),
     (" imply ".join(["true"] * 400), "nested too deeply"),
     (f"{'v == 1 ? 1 : ' * 400}0", "nested too deeply"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("declarations", "said"), DECLARED, ids=[each[0][:30] for each in DECLARED])
@@ -125,6 +110,11 @@ def test_a_guard_beyond_a_limit_is_refused(guard: str, said: str) -> None:
     assert said in str(caught.value)
     assert str(caught.value).startswith("model.xml:1:")
     assert len(str(caught.value)) < 300
+
+
+def test_what_is_too_deep_for_python_is_refused_as_well() -> None:
+    with pytest.raises(ModelError, match="nested too deeply"):
+        made(xml("int v;", guard=f"{'-(' * 300}v{')' * 300} == 1"))
 
 
 def test_what_is_just_within_the_limits_is_read() -> None:
@@ -173,9 +163,10 @@ def test_too_many_processes_are_refused_before_one_is_made(
     assert len(made(xml(parameter="int[1, 50] i")).processes) == 50
 
 
-def test_too_many_edges_of_all_processes_are_refused() -> None:
-    with pytest.raises(ModelError, match=f"More than {PARTS} locations and edges in all processes together"):
-        made(xml(select="i : int[0, 9999]", edges=6))
+def test_too_many_edges_of_all_processes_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_templates, "PARTS", 500)
+    with pytest.raises(ModelError, match="More than 500 locations and edges in all processes together"):
+        made(xml(select="i : int[0, 99]", edges=6))
 
 
 def test_a_quantifier_is_refused_before_it_is_written_out(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,16 +19,8 @@ PURPOSES = re.findall(r"^\*\*(\w+)\*\* ", PAGE, re.MULTILINE)
 
 def test_the_page_shows_what_the_library_is_for() -> None:
     assert PURPOSES == [
-        "Load",
-        "Check",
-        "Simulate",
-        "Execute",
-        "Explore",
-        "Explain",
-        "Find",
-        "Monitor",
-        "Compare",
-    ]
+        "Load", "Check", "Simulate", "Execute", "Explore", "Explain", "Find", "Monitor", "Compare",
+    ]  # fmt: skip
     assert len(EXAMPLES) == len(PURPOSES) == PAGE.count("```python")
 
 
@@ -38,7 +30,6 @@ def test_an_example_has_five_lines_at_most(number: int) -> None:
 
 
 def test_the_examples_run_to_the_letter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert MODEL is not None
     (tmp_path / "lamp.xml").write_text(MODEL[1], encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}  # one example goes on from those before it

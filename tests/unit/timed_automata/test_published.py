@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from random import Random
 
 import pytest
 
+from tests.unit.timed_automata.explore.models import load
 from tests.unit.timed_automata.simulate.run_facts import assert_is_run
 from timed_automata import (
     Execution,
@@ -148,9 +148,7 @@ system P, Q;"""
         ("3 <= x && x <= 4", "assign x = 3;", 0, None),  # the value after the update counts
     ],
 )
-def test_a_lower_bound_in_an_invariant(
-    load: Callable[[str], Network], invariant: str, edge: str, first: int, last: int | None
-) -> None:
+def test_a_lower_bound_in_an_invariant(invariant: str, edge: str, first: int, last: int | None) -> None:
     explorer = Explorer(load(LOWER.format(invariant=invariant, edge=edge)))
     for query, holds in (
         ("E<> P.B", True),
@@ -163,11 +161,10 @@ def test_a_lower_bound_in_an_invariant(
         verdict = explorer.check(query)
         assert verdict.holds is holds, query
     trace = explorer.check("E<> P.B").trace
-    assert trace is not None
     assert trace.steps[0].at >= first
 
 
-def test_what_would_break_a_lower_bound_is_not_taken(load: Callable[[str], Network]) -> None:
+def test_what_would_break_a_lower_bound_is_not_taken() -> None:
     """Elsewhere a clock is set, or a variable counts on: while the location is left, it is not possible."""
     text = """clock x; int[0,4] v;
     process P() {{ state A, B {{ x >= v }}; init A; trans A -> B {{ guard x >= 2; }}; }}
@@ -182,7 +179,7 @@ def test_what_would_break_a_lower_bound_is_not_taken(load: Callable[[str], Netwo
     assert not counting.check("A[] P.B && v == 4 imply x > 4").holds
 
 
-def test_where_no_invariant_lets_a_run_begin(load: Callable[[str], Network]) -> None:
+def test_where_no_invariant_lets_a_run_begin() -> None:
     made = load("clock x; process P() { state A { x >= 1 }; init A; } system P;")
     with pytest.raises(ModelError, match="The invariant 'x >= 1' does not hold in the initial state"):
         Explorer(made).check("A[] P.A")
@@ -193,7 +190,7 @@ def test_where_no_invariant_lets_a_run_begin(load: Callable[[str], Network]) -> 
     assert [each.what for each in monitor.objections] == ["An invariant does not hold in the initial state."]
 
 
-def test_a_lower_bound_stops_no_time(load: Callable[[str], Network]) -> None:
+def test_a_lower_bound_stops_no_time() -> None:
     """Where nothing else can happen, time passes for ever; with an upper bound it stands still."""
     for invariant, holds in (("x >= 1", True), ("x >= 1 && x <= 2", False)):
         made = load(
@@ -207,9 +204,7 @@ def test_a_lower_bound_stops_no_time(load: Callable[[str], Network]) -> None:
 
 
 @pytest.mark.parametrize(("invariant", "holds"), [("x >= 1", True), ("x >= 0", False), ("y >= 1", False)])
-def test_a_lower_bound_takes_time_on_a_cycle_that_sets_its_clock(
-    load: Callable[[str], Network], invariant: str, holds: bool
-) -> None:
+def test_a_lower_bound_takes_time_on_a_cycle_that_sets_its_clock(invariant: str, holds: bool) -> None:
     made = load(
         f"""clock x, y; process P() {{ state A, B {{ {invariant} }}; init A;
         trans A -> B {{ }}, B -> A {{ assign x = 0; }}; }} system P;"""
@@ -218,7 +213,7 @@ def test_a_lower_bound_takes_time_on_a_cycle_that_sets_its_clock(
     assert overview(made, []).zeno is not holds
 
 
-def test_a_run_with_lower_bounds_is_simulated_and_judged(load: Callable[[str], Network]) -> None:
+def test_a_run_with_lower_bounds_is_simulated_and_judged() -> None:
     made = load(
         """clock x; process P() { state A, B { x >= 3 && x <= 4 }; init A;
         trans A -> B { }, B -> A { assign x = 0; }; } system P;"""
@@ -236,7 +231,7 @@ def test_a_run_with_lower_bounds_is_simulated_and_judged(load: Callable[[str], N
     assert [each.what for each in monitor.objections] == ["P A → B was taken before its time."]
 
 
-def test_a_lower_bound_is_not_executed(load: Callable[[str], Network]) -> None:
+def test_a_lower_bound_is_not_executed() -> None:
     made = load(LOWER.format(invariant="x >= 3", edge=""))
     with pytest.raises(
         ModelError, match="'x >= 3' cannot be executed: an event cannot wait for a lower bound"

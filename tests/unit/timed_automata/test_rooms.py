@@ -43,7 +43,6 @@ def test_private_modules_are_used_in_their_own_room_and_below(path: Path) -> Non
 def test_a_room_says_in_one_sentence_what_it_is_for_and_lists_its_names(room: Path) -> None:
     tree = ast.parse((room / "__init__.py").read_text(encoding="utf-8"))
     sentence = ast.get_docstring(tree)
-    assert sentence is not None
     assert sentence.endswith(".")
     assert "\n" not in sentence
     assert all(isinstance(node, ast.ImportFrom | ast.Assign) for node in tree.body[1:])

@@ -13,6 +13,7 @@ from hypothesis import given, note, settings
 from hypothesis import strategies as st
 
 from tests.support.nightly import PHASES, examples
+from tests.unit.timed_automata.explore.models import load
 from tests.unit.timed_automata.simulate.run_facts import assert_is_run
 from timed_automata import Event, Execution, Network, load_network, make_network, read_document
 from timed_automata.errors import ModelError, RangeError, UsageError
@@ -233,17 +234,17 @@ L = Lamp(lamp, TIMES); system L, User;"""
         ("A<> L.On", False),
     ],
 )
-def test_a_structure_in_time(load: Callable[[str], Network], query: str, holds: bool) -> None:
+def test_a_structure_in_time(query: str, holds: bool) -> None:
     assert Explorer(load(LAMP)).check(query).holds is holds
 
 
-def test_it_is_simulated_and_followed(load: Callable[[str], Network]) -> None:
+def test_it_is_simulated_and_followed() -> None:
     made = load(LAMP)
     for seed in range(10):
         assert_is_run(simulate(made, Random(seed), steps=20).trace)
 
 
-def test_it_is_executed_and_monitored(load: Callable[[str], Network]) -> None:
+def test_it_is_executed_and_monitored() -> None:
     made = load(LAMP)
     record: list[Any] = []
     lamp = Execution(made, ["L"], ["wanted"], observe=record.append)
@@ -258,7 +259,7 @@ def test_it_is_executed_and_monitored(load: Callable[[str], Network]) -> None:
     assert (monitor.steps, monitor.objections) == (2, [])
 
 
-def test_each_field_has_its_own_range(load: Callable[[str], Network]) -> None:
+def test_each_field_has_its_own_range() -> None:
     made = load(
         """struct { int[0,3] a; int[0,900] b; } s; broadcast chan go;
         process P() { state A, B; init A; trans A -> B { guard s.a > 1 && s.b > 1; sync go?; }; }
@@ -325,7 +326,7 @@ system P;"""
 
 
 @pytest.mark.parametrize(("k", "excluded"), [(2, True), (1, False)])
-def test_fischer_with_a_scalar_set(load: Callable[[str], Network], k: int, excluded: bool) -> None:
+def test_fischer_with_a_scalar_set(k: int, excluded: bool) -> None:
     """The waiting time must be longer than the time to write; with less, two are in the critical section."""
     explorer = Explorer(load(SCALARS.format(n=3, k=k)))
     query = "A[] forall (i : id_t) forall (j : id_t) P(i).Critical && P(j).Critical imply i == j"

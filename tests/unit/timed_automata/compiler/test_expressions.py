@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from end_effector_hal.errors import ModelError, RangeError
 from tests.support.nightly import examples
+from tests.unit.timed_automata.explore.models import load, pointed
 from timed_automata import load_network, make_network, read_document
 from timed_automata.network import Semantics
 
@@ -20,7 +21,7 @@ typedef int[0, 3] index_t;
 """
 
 
-def evaluate(load, expression):
+def evaluate(expression):
     """The expression, computed by the generated code over variables."""
     network = load(
         f"{WORLD} process P() {{ state A; init A; trans A -> A {{ assign r = {expression}; }}; }} system P;"
@@ -80,32 +81,32 @@ def evaluate(load, expression):
         ("true + true", 2),
     ],
 )
-def test_value(load, expression, result):
-    assert evaluate(load, expression) == result
+def test_value(expression, result):
+    assert evaluate(expression) == result
 
 
 @pytest.mark.parametrize("expression", ["a / (b + 3)", "a % (b + 3)"])
-def test_division_by_zero_is_told_with_its_place(load, pointed, expression):
+def test_division_by_zero_is_told_with_its_place(expression):
     with pytest.raises(RangeError, match="Division by zero") as error:
-        evaluate(load, expression)
+        evaluate(expression)
     assert pointed(error.value).startswith(expression)
 
 
-def test_an_index_out_of_range_is_told(load):
+def test_an_index_out_of_range_is_told():
     with pytest.raises(RangeError, match=r"Index -3 of 'list' is outside of 0 to 3"):
-        evaluate(load, "list[b]")
+        evaluate("list[b]")
     with pytest.raises(ModelError, match=r"Index 4 of 'list' is outside of 0 to 3"):
-        evaluate(load, "list[4]")
+        evaluate("list[4]")
 
 
-def test_the_right_operand_is_not_evaluated_where_the_left_decides(load):
-    assert evaluate(load, "b >= 0 && list[b] == 1") == 0
-    assert evaluate(load, "b < 0 || list[b] == 1") == 1
-    assert evaluate(load, "b >= 0 imply list[b] == 1") == 1
-    assert evaluate(load, "b < 0 ? 5 : list[b]") == 5
+def test_the_right_operand_is_not_evaluated_where_the_left_decides():
+    assert evaluate("b >= 0 && list[b] == 1") == 0
+    assert evaluate("b < 0 || list[b] == 1") == 1
+    assert evaluate("b >= 0 imply list[b] == 1") == 1
+    assert evaluate("b < 0 ? 5 : list[b]") == 5
 
 
-def test_constants_may_make_an_operand_meaningless_that_is_never_evaluated(load):
+def test_constants_may_make_an_operand_meaningless_that_is_never_evaluated():
     """A description with one actuator must not break `i > 0 && valve[i - 1]`."""
     text = """const int N = 1, Z = 0; int[0, 5] a[N]; int[0, 5] b = 1; chan c[N];
         process P(const int[0, N - 1] id) { clock x; state A; init A; trans

@@ -1,5 +1,6 @@
 """A file is read with everything that UPPAAL wrote, and written back byte for byte."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -112,9 +113,8 @@ def test_other_encodings_and_line_ends():
     ],
 )
 def test_constants_that_do_not_fit(constants, message):
-    with pytest.raises(UsageError) as error:
+    with pytest.raises(UsageError, match=re.escape(message)):
         load_network(LAMP, constants)
-    assert message in str(error.value)
 
 
 def test_a_constant_that_leaves_another_without_its_shape():
@@ -161,20 +161,14 @@ def test_a_file_with_noise_is_read_or_refused(data):
         (b"<nta/>", "The model has no <system>"),
         (b'<?xml version="1.0" encoding="klingon"?><nta/>', "well-formed XML: unknown encoding"),
         (b'<!DOCTYPE nta [<!ENTITY a "aaaa">]><nta>&a;</nta>', "The entity 'a' is declared"),
-        (
-            b'<!DOCTYPE nta [<!ATTLIST location a CDATA "xx">]><nta/>',
-            "The attribute 'a' is declared with a default",
-        ),
+        (b'<!DOCTYPE nta [<!ATTLIST location a CDATA "xx">]><nta/>', "The attribute 'a' is declared with a default"),
         (
             b'<!DOCTYPE nta [<!ATTLIST location a CDATA #FIXED "xx">]><nta/>',
             "The attribute 'a' is declared with a default",
         ),
         (b"<nta><template/><system/></nta>", "A template has no name"),
         (b"<nta><template><name>P</name></template><system/></nta>", "<template> has no <init>"),
-        (
-            b"<nta><template><name>P</name><location/></template><system/></nta>",
-            "<location> has no attribute 'id'",
-        ),
+        (b"<nta><template><name>P</name><location/></template><system/></nta>", "<location> has no attribute 'id'"),
         (
             b'<nta><template><name>P</name><location id="a"/><init ref="b"/></template><system/></nta>',
             "<init> refers to the location 'b', which does not exist",
@@ -186,7 +180,7 @@ def test_a_file_with_noise_is_read_or_refused(data):
         (b"<nta><system></system></nta>", "The text ends too early"),
         (b"<nta><declaration>int a</declaration><system>system P;</system></nta>", "The text ends too early"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_uppaal_file(source, message):
     with pytest.raises(ModelError) as error:
         make_network(read_document(source, "bad.xml"))

@@ -1,8 +1,9 @@
-"""Execution in virtual time: what is taken when, in which order, and how late."""
+"""Execution in virtual time: what is taken when, in which order, how late, and what passes to the environment."""
 
 import pytest
 
-from end_effector_hal.errors import RangeError, UsageError
+from end_effector_hal.errors import ModelError, RangeError, UsageError
+from tests.unit.timed_automata.explore.models import load, network, pointed
 from timed_automata import Change, Event, Execution
 
 MS = 1000
@@ -27,7 +28,7 @@ system Step, World;
 
 
 @pytest.fixture
-def step(load):
+def step():
     execution = Execution(load(RETRY), ["Step"], ["evidence"])
     assert execution.start(1_000_000) == ()
     return execution
@@ -124,7 +125,7 @@ def test_run_goes_from_deadline_to_deadline(step):
     assert not any(taken.late_us for taken in steps)
 
 
-def test_an_assignment_out_of_range_is_told_when_it_happens(load):
+def test_an_assignment_out_of_range_is_told_when_it_happens():
     text = RETRY.replace("int[0, 9] attempts", "int[0, 2] attempts")
     execution = Execution(load(text), ["Step"], ["evidence"])
     execution.start(0)
@@ -153,7 +154,7 @@ def test_bad_inputs_are_refused(step):
         step.start(0)
 
 
-def test_nothing_happens_before_the_start(load):
+def test_nothing_happens_before_the_start():
     execution = Execution(load(RETRY), ["Step"], ["evidence"])
     assert execution.deadline is None
     for call in (
@@ -169,3 +170,72 @@ def test_nothing_happens_before_the_start(load):
 def test_inputs_and_outputs(step):
     assert step.inputs == {"start", "confirmed", "cancel"}
     assert step.outputs == {"activate", "deactivate"}
+
+
+# What may pass between the executed processes and their environment.
+
+
+def sides(declarations, ours, theirs, interface=()):
+    return Execution(network(declarations, f"P: {ours}", f"E: {theirs}"), ["P"], interface)
+
+
+QUIET = "locations: A"
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "name"),
+    [
+        ("do: a = 1", "guard: a == 1", "a"),  # written here, read there
+        ("guard: a == 1", "do: a = 1", "a"),
+        ("do: a = 1", "do: a = 2", "a"),
+        ("do: set()", "guard: a == 1", "a"),  # through a function
+        ("guard: list[a] == 1", "do: list[1] = 2", "list"),
+        ("sync: c[a]!", "do: a = 1", "a"),  # in the index of a channel
+        ("guard: x >= a", "do: a = 1", "a"),  # in a bound
+        ("guard: x >= 1", "do: x = 0", "x"),  # a clock
+        ("do: x = 0", "guard: x >= 1", "x"),
+    ],
+)
+def test_a_shared_variable_must_be_interface(ours, theirs, name):
+    declarations = "int a, list[3]; clock x; broadcast chan c[3]; void set() { a = 1; }"
+    edges_ = f"A -> A; {ours}", f"A -> A; {theirs}"
+    with pytest.raises(ModelError, match=f"share '{name}' with the environment, but not as interface"):
+        sides(declarations, *edges_)
+    if name != "x":
+        sides(declarations, *edges_, [name])
+
+
+def test_what_only_one_side_touches_and_what_both_only_read_is_free():
+    edge = "A -> A; guard: both == 1 && {0} > 1; do: {1} = 1, {0} = 0"
+    sides("int a, b, both; clock x, y;", edge.format("x", "a"), edge.format("y", "b"))
+
+
+def test_names_that_do_not_exist():
+    told = r"interface variable 'evidense' is not in the network\. Did you mean 'evidence'\?"
+    with pytest.raises(UsageError, match=told):
+        sides("int evidence;", QUIET, QUIET, ["evidense"])
+
+
+@pytest.mark.parametrize(("ours", "other"), ["!?", "?!"])
+def test_binary_channels_do_not_cross(ours, other):
+    for theirs in (f"A -> A; sync: c{other}", QUIET):
+        with pytest.raises(ModelError, match="Both ends of the binary channel 'c' must be executed"):
+            sides("chan c;", f"A -> A; sync: c{ours}", theirs)
+
+
+def test_a_broadcast_channel_has_its_senders_on_one_side():
+    with pytest.raises(ModelError, match="Both sides send on the broadcast channel 'c'"):
+        sides("broadcast chan c;", "A -> A; sync: c!", "A -> A; sync: c!")
+
+
+def test_equality_on_a_clock_cannot_be_executed():
+    equal = "A -> A; guard: x == 3 && true"
+    with pytest.raises(ModelError, match="'x == 3' cannot be executed") as error:
+        sides("clock x;", equal, QUIET)
+    assert pointed(error.value).startswith("x == 3")
+    sides("clock x;", QUIET, equal)  # the environment may
+
+
+def test_invariants_about_data_cannot_be_executed():
+    with pytest.raises(ModelError, match="an executed location whose invariant is about data"):
+        sides("int a;", "locations: A | A: a == 0", QUIET)

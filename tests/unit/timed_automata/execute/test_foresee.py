@@ -4,6 +4,7 @@ from random import Random
 
 import pytest
 
+from tests.unit.timed_automata.explore.models import load
 from timed_automata import Event, Execution
 from timed_automata.network import Semantics
 
@@ -22,7 +23,7 @@ LAMP = """
 """
 
 
-def lamp(load):
+def lamp():
     execution = Execution(load(LAMP), ["Lamp"])
     execution.start(0)
     return execution
@@ -42,14 +43,14 @@ def look_everywhere(execution):
     return [found for event in (Event("press"), None) if (found := execution.foresee(event))]
 
 
-def test_nothing_is_taken_otherwise(load):
-    looked = play(lamp(load), look_everywhere)
-    assert looked == play(lamp(load), lambda _: None)
+def test_nothing_is_taken_otherwise():
+    looked = play(lamp(), look_everywhere)
+    assert looked == play(lamp(), lambda _: None)
     assert len(looked) == 7
 
 
-def test_nothing_is_computed_when_it_happens(load, monkeypatch):
-    execution = lamp(load)
+def test_nothing_is_computed_when_it_happens(monkeypatch):
+    execution = lamp()
     (found,) = look_everywhere(execution)
     assert found.after.location("Lamp") == "Low"
 
@@ -64,23 +65,23 @@ def test_nothing_is_computed_when_it_happens(load, monkeypatch):
     ]
 
 
-def test_what_time_brings_is_computed_ahead(load, monkeypatch):
-    execution = lamp(load)
+def test_what_time_brings_is_computed_ahead(monkeypatch):
+    execution = lamp()
     execution.receive(Event("press"), 1_000)
     assert execution.foresee(None).after.location("Lamp") == "Off"
     monkeypatch.setattr(Semantics, "transitions", None)
     assert [step.edges[0].target for step in execution.advance(6_000)] == ["Off"]
 
 
-def test_the_state_stays(load):
-    execution = lamp(load)
+def test_the_state_stays():
+    execution = lamp()
     before = execution.snapshot()
     look_everywhere(execution)
     assert execution.snapshot() == before
 
 
-def test_an_event_that_no_edge_receives_leads_to_nothing(load):
-    execution = lamp(load)
+def test_an_event_that_no_edge_receives_leads_to_nothing():
+    execution = lamp()
     for at in (1_000, 7_000, 14_000):
         execution.advance(at)
         execution.receive(Event("press"), at)
@@ -88,8 +89,8 @@ def test_an_event_that_no_edge_receives_leads_to_nothing(load):
     assert not look_everywhere(execution)
 
 
-def test_nothing_is_foreseen_once_something_is_due(load):
-    execution = lamp(load)
+def test_nothing_is_foreseen_once_something_is_due():
+    execution = lamp()
     execution.receive(Event("press"), 1_000)
     assert execution.foresee(Event("press")).until == 6_000
     execution.receive(Event("press"), 6_000)  # at the instant of the time-out, which is still due
@@ -111,7 +112,7 @@ DOOR = """
 """
 
 
-def test_it_holds_until_a_clock_decides_otherwise(load):
+def test_it_holds_until_a_clock_decides_otherwise():
     execution = Execution(load(DOOR), ["Door"])
     execution.start(0)
     found = execution.foresee(Event("knock"))
@@ -128,7 +129,7 @@ def steps_of(steps):
 
 
 @pytest.mark.parametrize(("text", "process", "channel"), [(LAMP, "Lamp", "press"), (DOOR, "Door", "knock")])
-def test_what_was_foreseen_happens(load, text, process, channel):
+def test_what_was_foreseen_happens(text, process, channel):
     network, random, seen = load(text), Random(7), 0
     for _ in range(200):
         execution, at = Execution(network, [process]), 0
@@ -146,7 +147,7 @@ def test_what_was_foreseen_happens(load, text, process, channel):
     assert seen > 200
 
 
-def test_a_fault_that_is_only_possible_is_none(load):
+def test_a_fault_that_is_only_possible_is_none():
     text = """int[0,1] n; int list[2]; broadcast chan go, wrong;
         process P() { state A, B; commit B; init A;
             trans A -> B { sync go?; }, B -> A { guard list[n + 2] == 0; }, A -> A { sync wrong?; assign n = n + 2; }; }

@@ -92,7 +92,6 @@ def test_the_program_of_the_page_lights_the_lamp(monkeypatch: pytest.MonkeyPatch
 
 
 def test_the_pages_show_these_files() -> None:
-    assert MODEL is not None
     assert (LAMP / "lamp.xml").read_text(encoding="utf-8") == MODEL[1]
     page = (DOCS / "tutorials/my-own-model.md").read_text(encoding="utf-8")
     loop = page.partition("```python\n")[2].partition("```")[0]

@@ -5,9 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
+from hypothesis import HealthCheck, given, settings
 
-from tests.unit.timed_automata.explore.models import Template, document
-from timed_automata import make_network, read_document
+from end_effector_hal.description import profile_path
+from tests.support.nightly import PHASES, examples
+from tests.unit.timed_automata.explore.models import document
+from tests.unit.timed_automata.explore.random_networks import Condition, conditions, networks
+from timed_automata import Network, load_network, make_network, read_document
 from timed_automata.explain import Explanation, Names, WatchedClock, WatchedState, explain, explain_time
 from timed_automata.explore import Explorer
 from timed_automata.queries import parse_query
@@ -22,18 +26,12 @@ int[0, 2] last = OFF;
 clock x;
 bool quiet() { return forall (j : int[0, 1]) mode[j] == OFF; }
 """
-P = Template(
-    "P",
-    [
-        "Idle -> Busy; guard: x >= 2; do: mode[i] = PENDING, valve[i] = true",
-        "Busy -> Done; guard: x >= 7; do: mode[i] = ON, last = ON, i = 1",
-    ],
-    declarations="int[0, 1] i;",
-    invariants={"Idle": "x <= 3", "Busy": "x <= 9"},
-)
+P = """P: own: int[0, 1] i; | Idle: x <= 3 | Busy: x <= 9
+    Idle -> Busy; guard: x >= 2; do: mode[i] = PENDING, valve[i] = true
+    Busy -> Done; guard: x >= 7; do: mode[i] = ON, last = ON, i = 1"""
 
 
-def refuted(query: str, *templates: Template, declared: str = DECLARED) -> Explanation:
+def refuted(query: str, *templates: str, declared: str = DECLARED) -> Explanation:
     network = make_network(read_document(document(declared, *(templates or (P,))), "p.xml"))
     verdict = Explorer(network).check(query)
     assert verdict.trace is not None
@@ -44,10 +42,7 @@ def refuted(query: str, *templates: Template, declared: str = DECLARED) -> Expla
 @pytest.mark.parametrize(
     ("query", "sentence"),
     [
-        (
-            "A[] P.Busy imply x <= LATE",
-            "At 6 ms P is in Busy: then x must be at most LATE (5 ms), but it is 6 ms.",
-        ),
+        ("A[] P.Busy imply x <= LATE", "At 6 ms P is in Busy: then x must be at most LATE (5 ms), but it is 6 ms."),
         (
             "A[] P.Idle || x < 2",
             "At 2 ms: one of these must hold: P is in Idle or x is less than 2 ms; but P is "
@@ -78,7 +73,7 @@ def refuted(query: str, *templates: Template, declared: str = DECLARED) -> Expla
         ),
         ("A[] !(exists (j : int[0, 1]) mode[j] == ON)", "At 7 ms: mode[cups] must not be ON, but it is."),
     ],
-)
+)  # fmt: skip
 def test_the_sentence(query: str, sentence: str) -> None:
     assert refuted(query).sentence == sentence
 
@@ -122,7 +117,7 @@ def test_a_lower_bound_has_no_deadline() -> None:
 
 
 def test_a_clock_that_was_set_has_its_deadline_since_then() -> None:
-    again = Template("P", ["a -> b; guard: x >= 2; do: x = 1"], invariants={"a": "x <= 2"})
+    again = "P: a: x <= 2 | a -> b; guard: x >= 2; do: x = 1"
     (_, clock) = refuted("A[] P.b imply x <= 4", again, declared="clock x;").watched
     assert isinstance(clock, WatchedClock)
     assert clock.deadline == 5
@@ -130,9 +125,7 @@ def test_a_clock_that_was_set_has_its_deadline_since_then() -> None:
 
 
 def test_a_deadlock_says_who_may_not_stay() -> None:
-    stuck = Template(
-        "P", ["a -> b; guard: x >= 2", "b -> a; guard: x >= 9"], invariants={"a": "x <= 3", "b": "x <= 8"}
-    )
+    stuck = "P: a: x <= 3 | b: x <= 8 | a -> b; guard: x >= 2 | b -> a; guard: x >= 9"
     found = refuted("A[] not deadlock", stuck, declared="clock x;")
     assert found.sentence.startswith(
         "At 2 ms: a transition must be possible, but none is. P may not stay in b beyond x <= 8 ms"
@@ -141,12 +134,12 @@ def test_a_deadlock_says_who_may_not_stay() -> None:
 
 
 def test_a_timelock_and_a_cycle_without_time_are_explained() -> None:
-    stuck = Template("P", ["a -> b; guard: x >= 2"], invariants={"b": "x <= 8"})
+    stuck = "P: b: x <= 8 | a -> b; guard: x >= 2"
     network = make_network(read_document(document("clock x;", stuck), "p.xml"))
     trace = Explorer(network).timelock().trace
     assert trace is not None
     assert "P may not stay in b beyond x <= 8 ms" in explain_time(trace, Names(network)).sentence
-    hasty = make_network(read_document(document("", Template("Q", ["a -> b", "b -> a"])), "q.xml"))
+    hasty = make_network(read_document(document("", "Q: a -> b | b -> a"), "q.xml"))
     trace = Explorer(hasty).zeno().trace
     assert trace is not None
     found = explain_time(trace, Names(hasty))
@@ -163,14 +156,122 @@ def test_an_index_beyond_the_array_that_is_never_used_is_no_fault() -> None:
 def test_a_function_of_constants_alone_costs_no_verdict(query: str) -> None:
     found = refuted(
         query,
-        Template("P", ["a -> a; guard: x >= 2; do: x = 0"], invariants={"a": "x <= 3"}),
+        "P: a: x <= 3 | a -> a; guard: x >= 2; do: x = 0",
         declared="clock x; const int C = 0; bool f() { return C == 1; }",
     )
     assert "f()" in found.sentence
 
 
 def test_a_function_of_a_process_is_not_the_global_one_of_its_name() -> None:
-    own = Template("P", P.edges, declarations="int[0, 1] i; bool quiet() { return i == 0; }")
+    own = P.replace("i;", "i; bool quiet() { return i == 0; }", 1)
     found = refuted("A[] P.quiet()", own)
     assert found.sentence == "At 7 ms: P.quiet() must hold, but it does not."
     assert [(each.name, each.wrong) for each in found.watched] == [("P.i", True)]
+
+
+# Constants and members instead of integers: by how the file itself uses them, never by chance.
+
+
+CUPS = ("cups", "rod", "cap")
+
+
+@pytest.fixture(scope="module")
+def shipped() -> Names:
+    network = load_network(profile_path().with_name("end_effector.xml"))
+    return Names(network, CUPS, "actuator", ("cause_at",))
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "word"),
+    [
+        ("ee", 3, "GRIPPED"),
+        ("ee", 0, "OFF"),
+        ("command", -1, "NONE"),
+        ("command", 2, "GRIP"),
+        ("watched", 4, "CANCEL"),
+        ("actuator[1]", 1, "PENDING"),
+        ("evidence[0]", 0, "UNKNOWN"),
+        ("evidence[2]", 3, "CONFIRMED"),
+        ("tool", 1, "LOCKED"),
+        ("changer", 3, "UNLOCKING"),
+        ("changer", 0, "0"),  # it has constants of two groups: UNCLEAR, of the first, is no value of it
+        ("cause", 1, "TIMED_OUT"),
+        ("world", 4, "IN_TIME"),
+        ("valve[0]", 1, "true"),
+        ("Gripper.i", 1, "rod (1)"),
+        ("Gripper.i", 3, "3"),
+        ("Gripper.k", 1, "1"),  # a place in the release order, no actuator
+        ("Gripper.attempt", 2, "2"),
+        ("cause_at", 2, "cap (2)"),
+        ("cause_at", -1, "-1"),
+        ("culprit", 0, "cups (0)"),
+    ],
+)
+def test_values_of_the_shipped_tool(shipped: Names, variable: str, value: int, word: str) -> None:
+    assert shipped.value(variable, value) == word
+
+
+@pytest.mark.parametrize(
+    ("name", "word"),
+    [
+        ("evidence[1]", "evidence[rod]"),
+        ("Actuator(2)", "Actuator(cap)"),
+        ("Wills.spared[0]", "Wills.spared[cups]"),
+        ("deactivate[0]", "deactivate[cups]"),
+        ("told[1]", "told[1]"),
+        ("tool_is[1]", "tool_is[1]"),
+        ("Gripper.i", "Gripper.i"),
+        ("Gripper", "Gripper"),
+    ],
+)
+def test_elements_of_the_shipped_tool(shipped: Names, name: str, word: str) -> None:
+    assert shipped.element(name) == word
+
+
+def test_a_quantified_name_is_not_that_of_a_variable() -> None:
+    declared = "const int A = 0, B = 1; int a[2]; int[0, 1] j; bool all() { return forall (j : int[0, 1]) a[j] == B; }"
+    network = make_network(read_document(document(declared, "P: u -> v"), "p.xml"))
+    names = Names(network, ("x", "y"), "a")
+    assert names.value("j", 1) == "1"
+    assert names.value("a[0]", 0) == "A"
+    assert names.element("a[1]") == "a[y]"
+
+
+# Whatever the network and the query: a run that refutes it has its explanation, which fits the run.
+
+
+many = settings(
+    max_examples=examples(20, 2000), deadline=None, suppress_health_check=list(HealthCheck), phases=PHASES
+)
+
+
+@many
+@given(networks(), conditions(), conditions(1))
+def test_what_refutes_is_explained(network: Network, p: Condition, q: Condition) -> None:
+    for text in (
+        f"A[] !({p})",
+        f"A[] ({p}) imply {q}",
+        f"A[] !deadlock || ({p})",
+        f"A<> {p}",
+        f"{p} --> {q}",
+    ):
+        trace = Explorer(network).check(text).trace
+        if trace is None:
+            continue
+        found = explain(trace, parse_query(text), Names(network))
+        assert found.sentence.endswith(".")
+        assert any(each.wrong for each in found.watched)
+        state = trace.steps[-1].state if trace.steps else network.initial
+        shown = {
+            process.name: process.locations[state.locations[process.index]].name
+            for process in network.processes
+        }
+        shown["i"] = str(state.values[network.offset("i")])
+        for each in found.watched:
+            if isinstance(each, WatchedClock):
+                assert each.points[-1][0] == trace.end
+                assert all(
+                    before[0] <= after[0] for before, after in zip(each.points, each.points[1:], strict=False)
+                )
+            else:
+                assert each.changes[-1][1] == shown[each.name]

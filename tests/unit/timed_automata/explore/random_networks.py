@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from hypothesis import strategies as st
 
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from tests.unit.timed_automata.explore.regions import Predicate, compare
 from timed_automata import Network
 
@@ -40,7 +40,7 @@ def edges(draw: st.DrawFn, *, executable: bool = False) -> str:
 
 
 @st.composite
-def templates(draw: st.DrawFn, name: str, *, executable: bool) -> Template:
+def templates(draw: st.DrawFn, name: str, *, executable: bool) -> str:
     """``executable``: without lower bounds in invariants (else often with one where an edge leads), and without clock
     guards where a broadcast is received.
     """
@@ -60,15 +60,9 @@ def templates(draw: st.DrawFn, name: str, *, executable: bool) -> Template:
         update = draw(st.sampled_from(("", "", "x = 0", "y = 0", "x = 1", "i = 2 - i")))
         drawn.append(f"a -> {place}" + (f"; do: {update}" if update else ""))
     marks = draw(st.lists(st.sampled_from(("", "", "b", "c")), min_size=2, max_size=2))
-    return Template(
-        name,
-        drawn,
-        invariants={place: " && ".join(parts) for place, parts in invariants.items() if parts},
-        urgent=marks[0],
-        committed=marks[1],
-        initial="a",
-        locations=" ".join(PLACES),
-    )
+    held = [f"{place}: {' && '.join(parts)}" for place, parts in invariants.items() if parts]
+    marked = [f"urgent: {marks[0]}", f"committed: {marks[1]}", "initial: a", f"locations: {' '.join(PLACES)}"]
+    return f"{name}: " + " | ".join([*held, *marked, *drawn])
 
 
 @st.composite

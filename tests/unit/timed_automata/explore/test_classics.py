@@ -12,7 +12,7 @@ from timed_automata.explore import Explorer, verify
 EXCLUSION = "A[] forall (i : pid_t) forall (j : pid_t) P(i).cs && P(j).cs imply i == j"
 
 
-MOST = 7 if NIGHTLY else 6
+MOST = 7 if NIGHTLY else 5
 
 
 @pytest.mark.parametrize("n", range(2, MOST + 1))
@@ -29,7 +29,6 @@ def test_fischer_excludes(n: int) -> None:
 def test_fischer_that_waits_too_short(n: int, wait: str) -> None:
     verdict = verify(fischer(n, wait=wait), EXCLUSION)
     assert not verdict.holds
-    assert verdict.trace is not None
     assert sum(process == 3 for process in verdict.trace.steps[-1].state.locations) == 2
     assert len(verdict.trace.steps) == 6  # both ask, one writes and enters, the other does
 
@@ -55,7 +54,7 @@ def test_train_gate(n: int) -> None:
         "A[] forall (i : id_t) forall (j : id_t) Train(i).Cross && Train(j).Cross imply i == j"
     ).holds
     assert explorer.check("A[] not deadlock").holds
-    assert explorer.check("A[] Gate.list[N] == 0").holds
+    assert explorer.check("A[] list[N] == 0").holds
     assert explorer.check("E<> Train(0).Cross && (forall (i : id_t) i != 0 imply Train(i).Stop)").holds
     assert explorer.check("Train(0).Appr --> Train(0).Cross").holds
     assert sanity_check(explorer.network).ok
@@ -78,7 +77,6 @@ def test_bridge_takes_an_hour() -> None:
     assert explorer.check(f"E<> {safe} && time <= 60").holds
     assert not explorer.check(f"E<> {safe} && time < 60").holds
     first = explorer.check(f"E<> {safe} && time <= 60").trace
-    assert first is not None
     assert first.end == 60
 
 

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from timed_automata import Network
 from timed_automata.errors import ModelError, UsageError
 from timed_automata.explore import Explorer
 from timed_automata.inclusion import Inclusion, Interface, trace_inclusion
 
 DECLARATIONS = "int[0, 9] shown; bool dim; broadcast chan go, done, late, more; chan push;"
-USER = Template(
-    "User",
-    [
-        "w -> w; guard: c >= 2; sync: go!; do: c = 0",
-        "w -> w; guard: c >= 2; sync: push!; do: c = 0, dim = !dim",
-    ],
-    declarations="clock c;",
-)
+USER = """User: own: clock c;
+    w -> w; guard: c >= 2; sync: go!; do: c = 0
+    w -> w; guard: c >= 2; sync: push!; do: c = 0, dim = !dim"""
 LAMP = {
     "push": "Off -> Off; sync: push?",
     "push when lit": "Lit -> Lit; sync: push?",
@@ -31,15 +26,10 @@ INTERFACE = Interface(environment=["User"], observed=["shown"], outputs=["done",
 def lamp(edges: dict[str, str] | None = None, invariant: str = "u <= 8", **more: str) -> Network:
     """Lit by `go` for 5 to 8; edges can be replaced, and dropped by an empty text."""
     every = LAMP | (edges or {})
-    own = Template(
-        "Lamp",
-        [edge for edge in every.values() if edge],
-        declarations="clock u;",
-        invariants={"Lit": invariant, "Half": "u <= 6"} if invariant else {},
-        locations="Off Lit",
-        **({"initial": "Off"} | more),
-    )
-    return network(DECLARATIONS, own, USER)
+    held = {"Lit": invariant, "Half": "u <= 6"} if invariant else {}
+    words = [f"{word}: {text}" for word, text in ({"initial": "Off"} | held | more).items()]
+    own = ["Lamp: own: clock u;", "locations: Off Lit", *words, *filter(None, every.values())]
+    return network(DECLARATIONS, " | ".join(own), USER)
 
 
 def compared(implementation: Network, specification: Network | None = None) -> Inclusion:
@@ -66,10 +56,7 @@ MORE = {
         lamp(invariant="u <= 9"),
         ["the implementation lets time pass; the specification must do something before."],
     ),
-    "an invariant that is strict no more": (
-        lamp(invariant=""),
-        ["the implementation lets time pass"],
-    ),
+    "an invariant that is strict no more": (lamp(invariant=""), ["the implementation lets time pass"]),
     "a missing reset": (
         lamp({"light": LAMP["light"].replace("u = 0, ", "")}),
         ["9  the implementation refuses the input go."],
@@ -87,10 +74,7 @@ MORE = {
         lamp({"out": LAMP["out"].replace("done!", "late!")}),
         ["7  the implementation does what the specification cannot: late!; shown 2 → 0."],
     ),
-    "another value": (
-        lamp({"out": LAMP["out"].replace("shown = 0", "shown = 3")}),
-        ["done!; shown 2 → 3."],
-    ),
+    "another value": (lamp({"out": LAMP["out"].replace("shown = 0", "shown = 3")}), ["done!; shown 2 → 3."]),
     "what the environment writes, read the other way round": (
         lamp({"light": LAMP["light"].replace("1 : 2", "2 : 1")}),
         ["input go: shown 0 → 1 in the implementation; shown 0 → 2 in the specification."],
@@ -100,11 +84,8 @@ MORE = {
         lamp({"push when lit": "Lit -> Lit; guard: u >= 3; sync: push?"}),
         ["4  the implementation refuses the input push."],
     ),
-    "one more thing that it may do": (
-        lamp({"more": "Lit -> Off; guard: u == 5; do: shown = 4"}),
-        ["shown 2 → 4."],
-    ),
-}
+    "one more thing that it may do": (lamp({"more": "Lit -> Off; guard: u == 5; do: shown = 4"}), ["shown 2 → 4."]),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("implementation", LESS.values(), ids=LESS)
@@ -149,10 +130,7 @@ def test_the_run_has_its_inputs_with_their_times() -> None:
     assert [line.split() for line in found.lines[:-1]] == [["2", "input", "go:", "shown", "0", "→", "2"]]
 
 
-CHAIN = {
-    "light": "Off -> Begin; sync: go?; do: u = 0, shown = 1",
-    "on": "Begin -> Lit; do: shown = 2",
-}
+CHAIN = {"light": "Off -> Begin; sync: go?; do: u = 0, shown = 1", "on": "Begin -> Lit; do: shown = 2"}  # fmt: skip
 
 
 def test_changes_within_an_instant_are_seen_in_their_order() -> None:
@@ -209,17 +187,8 @@ def test_what_is_not_supported_is_refused() -> None:
 
 def test_both_must_be_able_to_start() -> None:
     for one, other, whose in ((lamp(), "", "specification"), ("", lamp(), "implementation")):
-        never = network(
-            DECLARATIONS,
-            Template(
-                "Lamp",
-                list(LAMP.values()),
-                declarations="clock u;",
-                invariants={"Off": "u > 0"},
-                initial="Off",
-            ),
-            USER,
-        )
+        unlit = " | ".join(["Lamp: own: clock u;", "Off: u > 0", *LAMP.values()])
+        never = network(DECLARATIONS, unlit, USER)
         with pytest.raises(UsageError, match=f"An invariant of the {whose} does not hold at its start"):
             compared(one or never, other or never)
 
@@ -238,14 +207,8 @@ def test_what_the_interface_names_must_be_there() -> None:
 
 
 def test_the_implementation_may_have_other_names_and_begin_by_an_input() -> None:
-    own = Template(
-        "Device",
-        ["New -> Off; sync: more?; do: shown = 0", *LAMP.values()],
-        declarations="clock u;",
-        invariants={"Lit": "u <= 8"},
-        locations="New Off Lit",
-    )
-    device = network(DECLARATIONS.replace("shown;", "shown = 7;"), own)
+    own = ["Device: own: clock u;", "Lit: u <= 8", "New -> Off; sync: more?; do: shown = 0", *LAMP.values()]
+    device = network(DECLARATIONS.replace("shown;", "shown = 7;"), " | ".join(own))
     interface = Interface(["User"], ["shown"], ["done"], system=["Device"], before=["more"])
     assert trace_inclusion(device, lamp(), interface).holds
     with pytest.raises(UsageError, match="no channel 'adopt'"):

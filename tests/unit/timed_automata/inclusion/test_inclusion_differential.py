@@ -16,7 +16,7 @@ from typing import NamedTuple
 import pytest
 
 from tests.support.nightly import NIGHTLY, examples
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from timed_automata import Network
 from timed_automata.errors import ModelError
 from timed_automata.inclusion import Inclusion, Interface, trace_inclusion
@@ -66,22 +66,14 @@ class Part:
         bound = self.invariants[place]
         return bound is None or OPS[bound[0]](clock, bound[1])
 
-    def template(self, name: str, clock: str) -> Template:
+    def template(self, name: str, clock: str) -> str:
         system = name == "System"
-        return Template(
-            name,
-            [
-                way.text(clock, sends=way.channel not in INPUTS or not system, system=system)
-                for way in self.ways
-            ],
-            declarations=f"clock {clock};",
-            invariants={
-                f"l{at}": f"{clock} {bound[0]} {bound[1]}"
-                for at, bound in enumerate(self.invariants)
-                if bound
-            },
-            initial="l0",
-            locations="l0 l1 l2",
+        held = [f"l{at}: {clock} {bound[0]} {bound[1]}" for at, bound in enumerate(self.invariants) if bound]
+        ways = [
+            way.text(clock, sends=way.channel not in INPUTS or not system, system=system) for way in self.ways
+        ]
+        return " | ".join(
+            [f"{name}: own: clock {clock};", "initial: l0", "locations: l0 l1 l2", *held, *ways]
         )
 
 

@@ -149,7 +149,6 @@ def test_another_edge_that_does_the_same_is_not_followed(tmp_path):
         monitor.observe(observation)
     (found,) = monitor.objections
     assert found.what == "P A → C is recorded, but P A → B comes first, and has the recorded effect."
-    assert monitor.snapshot is not None
     assert monitor.snapshot.locations == {"P": "B"}
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from timed_automata import Document, Network, make_network
 from timed_automata.errors import ModelError, RangeError
 from timed_automata.explore.search import Search
@@ -17,18 +17,13 @@ from tools.mutants import mutants
 
 
 def small() -> Network:
-    Light = Template(
-        "Light",
-        [
-            "Off -> Lit; select: level : int[1, 2]; sync: go[id]?; do: n = level, u = 0",
-            "Lit -> Off; guard: u >= 2 && worth(n) > 1; do: n = 0",
-            "Lit -> Out; guard: u >= 3; sync: gone!",
-        ],
-        parameters="const int[0, 1] id",
-        declarations="clock u; int[0, 2] n; int worth(int of) { return of + id; }",
-        invariants={"Lit": "u <= 3 + id"},
-    )
-    World = Template("World", ["w -> w; select: i : int[0, 1]; guard: c >= 1; sync: go[i]!; do: c = 0"])
+    Light = """Light(const int[0, 1] id):
+        own: clock u; int[0, 2] n; int worth(int of) { return of + id; }
+        Lit: u <= 3 + id
+        Off -> Lit; select: level : int[1, 2]; sync: go[id]?; do: n = level, u = 0
+        Lit -> Off; guard: u >= 2 && worth(n) > 1; do: n = 0
+        Lit -> Out; guard: u >= 3; sync: gone!"""
+    World = "World: w -> w; select: i : int[0, 1]; guard: c >= 1; sync: go[i]!; do: c = 0"
     declarations = "clock c; broadcast chan go[2], gone;"
     return network(declarations, Light, World)
 
@@ -80,7 +75,6 @@ def test_what_was_not_edited_is_not_compiled_again() -> None:
     model = small()
     each = next(each for each in mutants(model.document, ["World"]))
     found = remake_network(model, each.document)
-    assert found is not None
     assert found.code is model.code
     assert found.document is each.document
     assert found.processes[0] is model.processes[0]

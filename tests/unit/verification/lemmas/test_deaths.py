@@ -25,8 +25,7 @@ from end_effector_hal.verification.proof import (
     told_run,
 )
 from tests.unit.figures.layout_faults import layout_faults
-from tests.unit.verification.mutants.conftest import mutated
-from tests.unit.verification.mutants.mutants import Mutant
+from tests.unit.verification.mutants.conftest import Mutant, mutated
 from timed_automata import load_document, load_network, make_network, read_document
 from timed_automata.explore import Explorer
 
@@ -58,14 +57,10 @@ def test_its_network_is_exported(tmp_path: Path) -> None:
     [
         (verify, ["--deaths", "--free-sensors", "all"], "The network of deaths has no sensors"),
         (verify, ["--deaths", "--model", "lamp.xml"], "Two networks are named: --model and --deaths"),
-        (
-            verify,
-            ["--registers", "a", "--model", "lamp.xml"],
-            "Two networks are named: --model and --registers",
-        ),
+        (verify, ["--registers", "a", "--model", "lamp.xml"], "Two networks are named: --model and --registers"),
         (model, ["show", "--deaths", "--coils", "cup"], "Two networks are named"),
     ],
-)
+)  # fmt: skip
 def test_two_networks_at_once_are_refused(command: Command, words: list[str], what: str) -> None:
     with pytest.raises(UsageError, match=what):
         CliRunner().invoke(command, words, catch_exceptions=False)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.control import load_automata, model_constants
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.verification.lemmas import FIG5_FILE, compare_with_fig5, fig5_network, grips_as_fig5
 from end_effector_hal.verification.proof import prove
@@ -20,13 +20,8 @@ GRIP = ("Gripper", "Actuator")
 
 
 @pytest.fixture(scope="module")
-def tool() -> Description:
-    return load(profile_path())
-
-
-@pytest.fixture(scope="module")
-def network(tool: Description) -> Network:
-    return load_automata(tool)
+def network(verdin: Description) -> Network:
+    return load_automata(verdin)
 
 
 @pytest.mark.parametrize("late_ms", [0, 50])
@@ -36,20 +31,20 @@ def test_fig_5_is_proven_as_it_stands_and_with_lateness(late_ms: int) -> None:
     assert len(findings) == 15
 
 
-def test_the_file_has_the_times_of_the_shipped_tool(tool: Description) -> None:
+def test_the_file_has_the_times_of_the_shipped_tool(verdin: Description) -> None:
     """But for the lateness: the paper has none."""
-    own, given = load_network(FIG5_FILE).constants, fig5_network(tool).constants
+    own, given = load_network(FIG5_FILE).constants, fig5_network(verdin).constants
     assert {name for name in own if own[name] != given[name]} == {"D"}
 
 
-def test_the_shipped_grip_does_nothing_that_fig_5_does_not(tool: Description, network: Network) -> None:
-    report = compare_with_fig5(tool, network)
+def test_the_shipped_grip_does_nothing_that_fig_5_does_not(verdin: Description, network: Network) -> None:
+    report = compare_with_fig5(verdin, network)
     assert report.holds
     assert report.inclusion.states == 58
 
 
-def test_so_does_one_that_is_never_late(tool: Description, network: Network) -> None:
-    ideal = make_network(network.document, model_constants(tool) | {"D": 0})
+def test_so_does_one_that_is_never_late(verdin: Description, network: Network) -> None:
+    ideal = make_network(network.document, model_constants(verdin) | {"D": 0})
     assert grips_as_fig5(ideal, GRIP, load_network(FIG5_FILE)).holds
     late = grips_as_fig5(network, GRIP, load_network(FIG5_FILE))
     assert "lets time pass" in late.difference  # Fig. 5 as it stands is never late
@@ -79,9 +74,9 @@ CHANGED = {
 
 @pytest.mark.parametrize(("constants", "end", "told"), CHANGED.values(), ids=CHANGED)
 def test_another_grip_is_refuted_by_a_run(
-    network: Network, tool: Description, constants: dict[str, object], end: int, told: str
+    network: Network, verdin: Description, constants: dict[str, object], end: int, told: str
 ) -> None:
-    found = compared(network, tool, **constants)
+    found = compared(network, verdin, **constants)
     assert not found.holds
     assert told in found.difference
     assert found.end == end
@@ -106,16 +101,16 @@ EDITED = {
 
 @pytest.mark.parametrize(("element", "new"), EDITED.values(), ids=EDITED)
 def test_an_edit_of_the_automata_is_refuted_by_a_run(
-    network: Network, tool: Description, element: str, new: str
+    network: Network, verdin: Description, element: str, new: str
 ) -> None:
-    edited = make_network(edit(network, element, new).document, model_constants(tool))
-    found = grips_as_fig5(edited, GRIP, fig5_network(tool))
+    edited = make_network(edit(network, element, new).document, model_constants(verdin))
+    found = grips_as_fig5(edited, GRIP, fig5_network(verdin))
     assert not found.holds
     assert found.lines
 
 
-def test_a_tool_of_another_size_cannot_be_compared(tmp_path: Path, tool: Description) -> None:
-    sequence = list(tool.sequence)[:2]
-    smaller = tool.model_copy(update={"sequence": sequence})
+def test_a_tool_of_another_size_cannot_be_compared(tmp_path: Path, verdin: Description) -> None:
+    sequence = list(verdin.sequence)[:2]
+    smaller = verdin.model_copy(update={"sequence": sequence})
     with pytest.raises(UsageError, match=r"Fig\. 5 has 3 devices, this tool 2"):
         fig5_network(smaller)

@@ -1,11 +1,15 @@
-"""The shipped automata, and mutants of them."""
+"""The shipped automata, and mutants of them, as parameters of tests."""
 
 from __future__ import annotations
 
 import json
 import re
+import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
+from typing import Any
 from xml.sax.saxutils import escape
 
 import pytest
@@ -154,3 +158,30 @@ def _replaced(element: str, mutant: dict) -> str:
     assert found[0][0].count(old) == 1
     start, end = found[0].span()
     return element[:start] + found[0][0].replace(old, new) + element[end:]
+
+
+# The mutants of the file beside this one, as parameters of tests.
+
+
+Mutant = dict[str, Any]
+MUTANTS: list[Mutant] = tomllib.loads(Path(__file__).with_name("mutants.toml").read_text(encoding="utf-8"))[
+    "mutant"
+]
+
+
+def first_of_each(mutants: Sequence[Mutant], key: str, thinned: str | None = None) -> pytest.MarkDecorator:
+    """Parametrizes ``mutant``: an ordinary run takes the first one with each value of ``key``, the night all.
+
+    ``thinned``: `make test-thinned` takes the first one with each value of this other key.
+    """
+    seen = set[object]()
+    parameters = []
+    for mutant in mutants:
+        if new := mutant[key] not in seen:
+            marks = []
+        else:
+            new = thinned is not None and (thinned, mutant[thinned]) not in seen
+            marks = [pytest.mark.thinned if new else pytest.mark.nightly]
+        seen |= {mutant[key], (thinned, mutant.get(thinned))}
+        parameters.append(pytest.param(mutant, id=f"{mutant['name']} [{mutant[key]}]", marks=marks))
+    return pytest.mark.parametrize("mutant", parameters)

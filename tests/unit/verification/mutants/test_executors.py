@@ -1,4 +1,4 @@
-"""The executor of every mutant behaves differently from that of the shipped file, for some inputs in time."""
+"""The executor of every mutant behaves differently from that of the shipped file, and the monitor refuses it."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import pytest
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import ModelError, RangeError
 from end_effector_hal.vocabulary import ChangerState
-from tests.unit.verification.mutants.mutants import MUTANTS, first_of_each
+from tests.unit.verification.mutants.conftest import MUTANTS, first_of_each
 from timed_automata import Event, Execution, Network, Observation, Step
+from timed_automata.monitor import Monitor
 
 INTERFACE = load(profile_path()).automata.interface
 EXECUTED = ("Gripper", "Actuator", "Changer", "Arming")
@@ -135,3 +136,59 @@ def test_the_executor_of_a_mutant_is_found_out(shipped, expected, mutant) -> Non
     except ModelError:
         differs = True  # it cannot be executed at all
     assert differs is (mutant["name"] not in SAME)
+
+
+# The monitor of the shipped network refuses what the executor of a mutant does.
+
+
+class Watched:
+    """The executions of a test, each with what was seen of it."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.seen: list[Observation] = []
+        self.at = 0
+        watched = self
+
+        class Recorded(Execution):
+            def __init__(self, *args: object, **options: object) -> None:
+                watched.seen, watched.at = [], 0
+                super().__init__(*args, **options | {"observe": watched.seen.append})  # type: ignore[arg-type]
+
+            def advance(self, at: int) -> tuple[Step, ...]:
+                watched.at = at
+                return super().advance(at)
+
+        monkeypatch.setattr("tests.unit.verification.mutants.test_executors.Execution", Recorded)
+
+
+@pytest.fixture
+def refused(shipped, monkeypatch):  # type: ignore[no-untyped-def]
+    """Whether the monitor of the true network refuses one run of a network, by its seed."""
+    watched = Watched(monkeypatch)
+
+    def judge(network, true, seed: int) -> bool:  # type: ignore[no-untyped-def]
+        play(network, seed)
+        monitor = Monitor(true, EXECUTED, INTERFACE)
+        for observation in watched.seen:
+            monitor.observe(observation)
+        monitor.end(max([watched.at, *(observation.at for observation in watched.seen)]))
+        return any(objection.kind == "no run" for objection in monitor.objections)
+
+    return judge
+
+
+def test_the_shipped_executor_is_accepted(shipped, refused) -> None:  # type: ignore[no-untyped-def]
+    network = shipped.network()
+    assert not any(refused(network, network, seed) for seed in random.Random(1).sample(range(RUNS), 40))
+
+
+@first_of_each(EXECUTABLE, "template", thinned="caught_by")
+def test_the_executor_of_a_mutant_is_refused(shipped, refused, mutant) -> None:  # type: ignore[no-untyped-def]
+    if mutant["name"] in SAME:
+        return
+    try:
+        network = shipped.network(mutant)
+        true = shipped.original(mutant)
+        assert any(refused(network, true, seed) for seed in range(RUNS))
+    except ModelError:
+        pass  # it cannot be executed at all

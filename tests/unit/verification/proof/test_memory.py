@@ -11,10 +11,10 @@ from end_effector_hal.errors import StoppedError
 from end_effector_hal.verification.proof import Proof, prove
 from end_effector_hal.verification.proof import _memory as memory
 from end_effector_hal.verification.proof._memory import GIB, MemoryBound
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from timed_automata import Network
 
-COUNTS = Template("P", ["a -> a; guard: x >= 1; do: n = (n + 1) % 5000, x = 0"], invariants={"a": "x <= 1"})
+COUNTS = "P: a: x <= 1 | a -> a; guard: x >= 1; do: n = (n + 1) % 5000, x = 0"
 
 
 def counting(*queries: tuple[str, str]) -> Network:
@@ -115,13 +115,8 @@ def test_nothing_of_a_proof_that_was_stopped_is_decided() -> None:
     assert proof.stopped
     assert not proof.holds
     assert [each.id for each in proof.findings] == [
-        "range",
-        "locations",
-        "edges",
-        "channels",
-        "names",
-        "time",
-    ]
+        "range", "locations", "edges", "channels", "names", "time",
+    ]  # fmt: skip
     assert not any(each.decided or each.holds for each in proof.findings)
     assert proof.findings[0].remark.startswith("not decided: stopped after 1,000 states, ")
 
@@ -160,7 +155,7 @@ def test_a_response_is_stopped_too() -> None:
 
 
 def test_a_run_out_of_its_range_is_refuted_without_its_run() -> None:
-    counts = Template("P", ["a -> a; guard: x >= 1; do: n = n + 1, x = 0"], invariants={"a": "x <= 1"})
+    counts = "P: a: x <= 1 | a -> a; guard: x >= 1; do: n = n + 1, x = 0"
     model = network("clock x; int[0,4999] n;", counts, queries=[("A[] n >= 0", "[least]")])
     proof = stopped_at(model, "the shortest run")
     assert [(each.id, each.decided, each.trace) for each in proof.findings[:1]] == [("ranges", True, None)]

@@ -13,7 +13,7 @@ from end_effector_hal.verification.proof import Finding, Proof, Requirement, Wor
 from end_effector_hal.verification.proof import _checks as checking
 from end_effector_hal.verification.proof import _prove as proving
 from tests.support.nightly import NIGHTLY, PHASES, examples
-from tests.unit.timed_automata.explore.models import Template, network
+from tests.unit.timed_automata.explore.models import network
 from tests.unit.timed_automata.explore.random_networks import LARGEST, Condition, conditions, networks
 from tests.unit.timed_automata.explore.regions import Region, Regions
 from timed_automata import Network, make_network
@@ -33,13 +33,10 @@ def failing(proof: Proof) -> list[str]:
 
 def lamp(*queries: tuple[str, str], press: str = "x >= 2") -> Network:
     """A lamp that goes off by itself between 5 and 6 after it went on."""
-    lit = Template(
-        "Lamp",
-        ["off -> on; sync: press?; do: y = 0", "on -> off; guard: y >= 5"],
-        declarations="clock y;",
-        invariants={"on": "y <= 6"},
-    )
-    person = Template("Person", [f"idle -> idle; guard: {press}; sync: press!; do: x = 0"])
+    lit = """Lamp: own: clock y; | on: y <= 6
+        off -> on; sync: press?; do: y = 0
+        on -> off; guard: y >= 5"""
+    person = f"Person: idle -> idle; guard: {press}; sync: press!; do: x = 0"
     return network("clock x; broadcast chan press;", lit, person, queries=queries)
 
 
@@ -58,7 +55,6 @@ def test_what_does_not_hold_comes_with_its_shortest_run() -> None:
     proof = prove(lamp(("A[] Lamp.off", "[dark] It stays dark."), ("E<> Lamp.on && x > 5", "[late]")))
     assert failing(proof) == ["dark"]
     trace = finding(proof, "dark").trace
-    assert trace is not None
     assert [step.at for step in trace.steps] == [2]
 
 
@@ -79,13 +75,10 @@ def test_a_worst_case_far_beyond_its_bound_is_not_searched_for_ever() -> None:
 
 
 def test_a_worst_case_that_takes_too_many_states_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    counts = Template(
-        "P", ["a -> a; guard: y >= 1; do: y = 0, n = (n + 1) % 500"], invariants={"a": "y <= 1"}
-    )
+    counts = "P: a: y <= 1 | a -> a; guard: y >= 1; do: y = 0, n = (n + 1) % 500"
     late = network("clock x, y; int[0,499] n;", counts, queries=[("A[] P.a imply x <= 20", "[late]")])
     monkeypatch.setattr(proving, "_LONG", 0.02)
     worst = finding(prove(late), "late").worst
-    assert worst is not None
     assert worst.computed_ms is None
     assert worst.at_least_ms is not None
     assert 20 <= worst.at_least_ms < 80
@@ -93,18 +86,17 @@ def test_a_worst_case_that_takes_too_many_states_is_left(monkeypatch: pytest.Mon
 
 
 def test_a_value_out_of_range_ends_the_proof_with_its_run() -> None:
-    counter = Template("P", ["a -> a; guard: x >= 2; do: n = n + 1, x = 0"], invariants={"a": "x <= 4"})
+    counter = "P: a: x <= 4 | a -> a; guard: x >= 2; do: n = n + 1, x = 0"
     proof = prove(network("clock x; int[0,2] n;", counter, queries=[("A[] n < 3", "[few]")]))
     assert [each.id for each in proof.findings] == ["ranges", "few"]
     assert not any(each.holds for each in proof.findings)
     trace = proof.findings[0].trace
-    assert trace is not None
     assert [step.at for step in trace.steps] == [2, 4]
     assert "out of its range" in proof.findings[0].remark
 
 
 def test_a_query_that_leaves_an_array_ends_the_proof_and_says_where() -> None:
-    counter = Template("P", ["a -> a; guard: x >= 2; do: n = 1 - n, x = 0"], invariants={"a": "x <= 4"})
+    counter = "P: a: x <= 4 | a -> a; guard: x >= 2; do: n = 1 - n, x = 0"
     asked = [("A[] n < 3", "[few]"), ("A[] seen[n + 1] == 0", "[seen]")]
     proof = prove(network("clock x; int[0,1] n; int seen[2];", counter, queries=asked))
     assert [each.id for each in proof.findings] == ["ranges", "few", "seen"]
@@ -114,9 +106,7 @@ def test_a_query_that_leaves_an_array_ends_the_proof_and_says_where() -> None:
 
 
 def test_what_no_query_says() -> None:
-    lost = Template(
-        "P", ["a -> b; sync: go!", "b -> a; guard: x > 3 && x < 3; do: x = 0", "b -> c; guard: n == 1"]
-    )
+    lost = "P: a -> b; sync: go! | b -> a; guard: x > 3 && x < 3; do: x = 0 | b -> c; guard: n == 1"
     proof = prove(network("clock x; int[0,1] n; broadcast chan go;", lost))
     assert failing(proof) == ["locations", "edges", "channels"]
     assert finding(proof, "locations").remark == "P.c"
@@ -124,7 +114,7 @@ def test_what_no_query_says() -> None:
 
 
 def test_a_value_of_a_type_has_one_name() -> None:
-    walk = Template("P", ["a -> a; guard: x >= 1; do: x = 0, m = 1 - m"])
+    walk = "P: a -> a; guard: x >= 1; do: x = 0, m = 1 - m"
     named = "typedef int[0,3] mode_t; const mode_t OFF = 0, ON = {}, LOW = 1; mode_t m;"
     times = "typedef int[0,9] ms_t; const ms_t LONG = 5, LATE = 5;"  # no variable: no names of its values
     assert prove(network(f"clock x; {named.format(2)} {times}", walk)).holds
@@ -134,25 +124,20 @@ def test_a_value_of_a_type_has_one_name() -> None:
 
 
 def test_time_that_stops_and_time_that_need_not_pass_come_with_a_run() -> None:
-    stuck = Template(
-        "P", ["a -> b; guard: x >= 1", "b -> a; guard: x <= 2; do: x = 0"], invariants={"b": "x <= 3"}
-    )
+    stuck = "P: b: x <= 3 | a -> b; guard: x >= 1 | b -> a; guard: x <= 2; do: x = 0"
     found = finding(prove(network("clock x;", stuck)), "time")
     assert not found.holds
     assert found.remark == "no transition is possible, and time cannot go on"
     assert found.trace is not None
-    quick = Template("P", ["a -> b; guard: x >= 1; do: x = 0", "b -> a", "a -> b"])
+    quick = "P: a -> b; guard: x >= 1; do: x = 0 | b -> a | a -> b"
     found = finding(prove(network("clock x;", quick)), "time")
     assert not found.holds
-    assert found.trace is not None
     assert found.trace.loop is not None
 
 
 def test_a_deadlock_that_only_widening_has_is_not_reported() -> None:
     # See test_traps: ExtraLU+ lets x be 3 in b, where b would be stuck.
-    template = Template(
-        "P", ["a -> b", "b -> a; guard: x <= 2; do: x = 0"], invariants={"a": "x <= 2"}, urgent="b"
-    )
+    template = "P: a: x <= 2 | urgent: b | a -> b | b -> a; guard: x <= 2; do: x = 0"
     proof = prove(network("clock x;", template, queries=[("A[] not deadlock", "[alive]")]))
     assert finding(proof, "alive").holds
 
@@ -200,9 +185,7 @@ def test_two_queries_of_one_name_are_refused() -> None:
 
 def test_progress_is_told() -> None:
     told: list[tuple[str, int]] = []
-    counts = Template(
-        "P", ["a -> a; guard: x >= 1; do: n = (n + 1) % 3000, x = 0"], invariants={"a": "x <= 1"}
-    )
+    counts = "P: a: x <= 1 | a -> a; guard: x >= 1; do: n = (n + 1) % 3000, x = 0"
     model = network("clock x; int[0,2999] n;", counts, queries=[("A[] n < 2900", "[few]")])
     begun = process_time()
     prove(model, lambda what, states: told.append((what, states)))
@@ -221,7 +204,7 @@ def test_what_a_file_can_do_with_its_own_constants_is_explored_once(monkeypatch:
 
     monkeypatch.setattr(checking, "overview", count)
     monkeypatch.setattr(checking, "_KEPT", {})
-    more = Template("Steps", ["a -> b; guard: i < N; do: i = i + 1", "b -> a"])
+    more = "Steps: a -> b; guard: i < N; do: i = i + 1 | b -> a"
     file = network("const int N = 1; int[0, 9] i = 0;", more).document
     for number in (0, -1, -2):
         assert finding(prove(make_network(file, {"N": number})), "edges").holds

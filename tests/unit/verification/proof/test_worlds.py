@@ -36,27 +36,12 @@ GONE_LATER = (
 GONE_AT_ONCE = "    return true;\n"
 OF_MANY_STEPS = "OVER_AT_ONCE = N > 4;"
 OF_THE_WORLD = (
-    "evidence",
-    "vented",
-    "parked",
-    "supply_ok",
-    "Sensors.focus",
-    "Sensors.odd",
-    "Sensors.emptied",
-)
+    "evidence", "vented", "parked", "supply_ok", "Sensors.focus", "Sensors.odd", "Sensors.emptied",
+)  # fmt: skip
 OF_GRIP = (
-    "evidence",
-    "ee",
-    "command",
-    "actuator",
-    "valve",
-    "kept",
-    "blow",
-    "cause",
-    "cause_at",
-    "adopted",
+    "evidence", "ee", "command", "actuator", "valve", "kept", "blow", "cause", "cause_at", "adopted",
     "dropped",
-)
+)  # fmt: skip
 """What Gripper sees, tells and asks for; nobody hears a dead one."""
 UNMOVED = ("Changer", "Arming", "World", "Arbiter", "UnlockLine", "Tool", "Listener", "Patience", "Wills")
 ACTIVE = ("Pending", "Confirming", "On", "Losing")

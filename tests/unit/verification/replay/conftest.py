@@ -33,11 +33,7 @@ def tool(tmp_path: Path) -> Iterator[Callable[..., RecordedTool]]:
 def gripped(tmp_path_factory: pytest.TempPathFactory) -> ProgramTrace:
     """A grip in which the cylinder fails once, held and dropped."""
     tool = RecordedTool(tmp_path_factory.mktemp("gripped"), "fails-once:cylinder")
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(10.0)
-    assert tool.command("drop").accepted
-    tool.run(2.0)
+    tool.play(1.0, "grip", 10.0, "drop", 2.0)
     assert tool.status.ee == 6
     return tool.trace()
 

@@ -48,17 +48,11 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> ProgramTrace:
     tool.drive(LINES[2], active=True)
     tool.run(0.1)
     tool.drive(LINES[2], active=False)
-    tool.run(0.3)
-    assert tool.command("grip").accepted
-    tool.run(0.6)
+    tool.play(0.3, "grip", 0.6)
     tool.die()
-    tool.run(4.0)
-    assert tool.command("grip").accepted
-    tool.run(1.5)
+    tool.play(4.0, "grip", 1.5)
     tool.die()
-    tool.run(0.3)
-    assert tool.command("drop").accepted
-    tool.run(0.1)
+    tool.play(0.3, "drop", 0.1)
     tool.die()
     tool.run(1.0)
     return tool.trace()

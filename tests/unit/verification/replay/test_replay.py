@@ -26,12 +26,9 @@ from tests.unit.verification.replay.conftest import Edit, edited, numbers
 
 SCENARIOS = {each.name: each for each in scenarios(load(profile_path()), everything=True)}
 WORDS = {
-    Command.LOCK: "lock",
-    Command.UNLOCK: "unlock",
-    Command.GRIP: "grip",
-    Command.RELEASE: "drop",
+    Command.LOCK: "lock", Command.UNLOCK: "unlock", Command.GRIP: "grip", Command.RELEASE: "drop",
     Command.CANCEL: "cancel",
-}
+}  # fmt: skip
 TELLING = {"start", "command", "begin", "write", "event", "step", "answer", "status"}
 QUESTIONS = {
     "announce_to", "at", "blocking", "deadline", "discrete_state", "foresee", "hold", "locations", "refusal",
@@ -76,9 +73,7 @@ def test_lines_that_were_found_active_and_a_refused_command(tool: Callable[..., 
 
 def test_a_silent_link_is_replayed_too(tool: Callable[..., RecordedTool]) -> None:
     played = tool()
-    played.run(1.0)
-    played.command("grip")
-    played.run(3.0)
+    played.play(1.0, "grip", 3.0)
     played.link = False
     played.run(2.0)
     played.link = True
@@ -105,7 +100,6 @@ def seconds(trace: ProgramTrace, number: int) -> float:
 def difference_of(trace: ProgramTrace) -> tuple[float, str]:
     found = review(trace)
     assert not found.ok
-    assert found.replay.difference is not None
     return trace.seconds(found.replay.difference.at), str(found.replay.difference)
 
 
@@ -123,7 +117,6 @@ def test_one_step_removed_is_found_with_its_time(gripped: ProgramTrace) -> None:
     for number in numbers(gripped, "step")[::6]:
         without = edited(gripped, number, None)
         found = review(without)
-        assert found.replay.difference is not None
         at = gripped.seconds(found.replay.difference.at)
         assert at == pytest.approx(seconds(gripped, number), abs=0.021)
         assert any(objection.kind == "no run" for objection in found.objections)
@@ -161,9 +154,7 @@ def test_what_is_no_record_is_refused(gripped: ProgramTrace) -> None:
 
 def test_a_missed_bound_stands_in_the_trace_and_is_no_difference(tool: Callable[..., RecordedTool]) -> None:
     played = tool("never-confirms:bottom_vacuum")
-    played.run(1.0)
-    played.command("grip")
-    played.run(4.9)
+    played.play(1.0, "grip", 4.9)
     played.controller.advance(6_000_000 + 63_000)
     played.at = 6_063_000
     played.run(1.0)
@@ -179,9 +170,7 @@ def test_a_missed_bound_stands_in_the_trace_and_is_no_difference(tool: Callable[
 def test_a_controller_that_begins_anew_is_replayed_anew(tool: Callable[..., RecordedTool]) -> None:
     """As a program does that the line arbiter took for dead."""
     played = tool()
-    played.run(1.0)
-    played.command("grip")
-    played.run(2.0)
+    played.play(1.0, "grip", 2.0)
     network = played.controller._controller._execution.network
     played.controller = played.recorder.controller(played.description, network)
     played.controller.start(dict(played.levels), played.at)
@@ -204,9 +193,7 @@ def test_another_description_decides_otherwise_and_says_so(gripped: ProgramTrace
 def test_arbitrary_damage_is_found_or_refused_in_words(tool: Callable[..., RecordedTool]) -> None:
     """Never a traceback, whatever stands in a record."""
     played = tool()
-    played.run(0.5)
-    played.command("grip")
-    played.run(0.5)
+    played.play(0.5, "grip", 0.5)
     trace, chooser, found = played.trace(), random.Random(1), set()
     telling = [
         number for number in range(len(trace.file.records)) if trace.file.records[number].kind in TELLING
