@@ -46,11 +46,8 @@ def test_one_is_shown_with_its_registers_and_what_is_not_confirmed() -> None:
 def test_as_json_it_is_what_the_file_says() -> None:
     shown = json.loads(said("devices", "robotiq-2f85", "--json"))
     assert (shown["name"], shown["kind"], shown["confirmed"], shown["unit"]) == (
-        "robotiq-2f85",
-        "gripper",
-        "maker",
-        9,
-    )
+        "robotiq-2f85", "gripper", "maker", 9,
+    )  # fmt: skip
     listed = json.loads(said("devices", "--json"))["devices"]
     assert [each["name"] for each in listed] == DeviceLibrary().names()
 
@@ -115,13 +112,9 @@ def test_devices_at_addresses() -> None:
         ("a:robotiq-2f85", ("--port", "tcp://plc", "--virtual"), "--virtual has ports of its own"),
         ("a:waveshare-io-8", (), "waveshare-io-8 is an I/O board"),
         ("a:robotiq-2f8", (), "There is no kind and no device 'robotiq-2f8'"),
-        (
-            "a:robotiq-2f85,b:onrobot-vg10",
-            (),
-            "robotiq-2f85 needs parity: N, and onrobot-vg10 on the same link E",
-        ),
+        ("a:robotiq-2f85,b:onrobot-vg10", (), "robotiq-2f85 needs parity: N, and onrobot-vg10 on the same link E"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_written_is_refused(actuators: str, more: tuple[str, ...], why: str) -> None:
     with pytest.raises(UsageError, match=why):
         run("init", "tool", "--actuators", actuators, *more)

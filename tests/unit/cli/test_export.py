@@ -72,7 +72,6 @@ def moving(robot: ET.Element) -> dict[str, tuple[str, float]]:
     for joint in robot.findall("joint"):
         if joint.get("type") != "fixed":
             limit = joint.find("limit")
-            assert limit is not None
             assert (limit.get("lower"), limit.get("effort")) == ("0", "0")
             found[joint.get("name", "")] = (joint.get("type", ""), float(limit.get("upper", "")))
     return found

@@ -63,7 +63,6 @@ def written(actuators: str, options: tuple[str, ...]) -> Description:
 @pytest.mark.parametrize("link", ["text", "json", "binary", "modbus", "modbus-rtu-epick", "legacy-nibble"])
 def test_the_baud_rate_that_it_writes_is_the_one_without_the_key(link: str) -> None:
     tool = written("cup:vacuum", ("--link", link, "--no-tool-changer"))
-    assert tool.link is not None
     without = tool.model_copy(update={"link": tool.link.model_copy(update={"baudrate": None})})
     assert tool.link.baudrate == line_of(without.links[""], codec_of(without, ""))[0]
 
@@ -128,7 +127,6 @@ def test_some_actuators_on_a_link_and_others_on_inputs_of_the_board() -> None:
         on_board = {channel for channel, each in tool.channels.items() if each.on_board}
         assert on_board == {"jaw_open", "jaw_closed", "jaw_part"}, name
         assert len(tool.links) == 1, name
-        assert tool.tool_changer is not None
         assert tool.tool_changer.locked_bit == "locked", name
         assert (tool.supply.channel == "none") is (name != "codec"), name
 
@@ -141,56 +139,29 @@ def test_actuators_that_are_all_on_inputs_of_the_board_have_no_link() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (
-            ["--actuators", "a:vacum"],
-            "there is no kind of actuator 'vacum'. Did you mean vacuum? There are: ",
-        ),
+        (["--actuators", "a:vacum"], "there is no kind of actuator 'vacum'. Did you mean vacuum? There are: "),
         (["--actuators", "a"], "'a' is not an actuator. Write NAME:KIND, such as cups:vacuum,rod:cylinder."),
         (["--actuators", ""], "'' is not an actuator. Write NAME:KIND"),
         (["--actuators", "A:vacuum"], "'A' is not a valid name of an actuator. Write lower-case letters"),
         (["--actuators", "a:vacuum,a:cylinder"], "Two actuators are named 'a'. Give each a name of its own."),
-        (
-            ["--actuators", "null:vacuum"],
-            "'null' has another meaning in a description and cannot",
-        ),
-        (
-            ["--actuators", "a:vacuum,true:gripper"],
-            "'true' has another meaning in a description and",
-        ),
+        (["--actuators", "null:vacuum"], "'null' has another meaning in a description and cannot"),
+        (["--actuators", "a:vacuum,true:gripper"], "'true' has another meaning in a description and"),
         (
             ["--actuators", "supply:vacuum"],
             "The description would be invalid: topic 'PressureSupply' belongs to the nodes "
             "(topic: PressureSupply), expected another name. "
             "Name the actuator 'supply' otherwise.",
         ),
-        (
-            ["--actuators", "time_s:vacuum"],
-            "The description would be invalid: this name means something else",
-        ),
+        (["--actuators", "time_s:vacuum"], "The description would be invalid: this name means something else"),
         (
             ["--actuators", ",".join(f"v{n}:vacuum" for n in range(6)), "--link", "ees1-ascii"],
             "ees1-ascii has no free channel that can prove 'v3', a vacuum. Name fewer actuators, or another",
         ),
-        (
-            ["--actuators", "a:vacuum", "--link", "modbuss"],
-            "There is no link 'modbuss'. Did you mean 'modbus'?",
-        ),
-        (
-            ["--actuators", "a:vacuum", "--link", "text", "--link", "y:text"],
-            "The link 'text' has no name. Write",
-        ),
-        (
-            ["--actuators", "a:vacuum", "--link", "y:text", "--link", "y:text"],
-            "Two links are named 'y'. Give",
-        ),
-        (
-            ["--actuators", "a:vacuum", "--link", "Y:text"],
-            "'Y' is not a valid name of a link. Write lower-case",
-        ),
-        (
-            ["--actuators", "a:vacuum", "--link", "y:none"],
-            "Inputs of the board have no link. Write --link none",
-        ),
+        (["--actuators", "a:vacuum", "--link", "modbuss"], "There is no link 'modbuss'. Did you mean 'modbus'?"),
+        (["--actuators", "a:vacuum", "--link", "text", "--link", "y:text"], "The link 'text' has no name. Write"),
+        (["--actuators", "a:vacuum", "--link", "y:text", "--link", "y:text"], "Two links are named 'y'. Give"),
+        (["--actuators", "a:vacuum", "--link", "Y:text"], "'Y' is not a valid name of a link. Write lower-case"),
+        (["--actuators", "a:vacuum", "--link", "y:none"], "Inputs of the board have no link. Write --link none"),
         (
             ["--actuators", "a:vacuum", "--link", "x:text,y:text"],
             "The link 'y' would prove no actuator. Name fewer links, or NAME:KIND:LINK for one.",
@@ -213,7 +184,7 @@ def test_actuators_that_are_all_on_inputs_of_the_board_have_no_link() -> None:
         ),
         (["--virtual"], "No actuators are named. Give --actuators, such as"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_described_is_one_sentence_and_no_folder(options: list[str], said: str) -> None:
     result = CliRunner().invoke(eehal, ["init", "tool", *options])
     assert isinstance(result.exception, ReportedError)
@@ -335,17 +306,6 @@ def test_a_path_with_blanks_is_quoted_in_what_comes_next(tmp_path: Path) -> None
     assert f"Next: edit {file}, then `eehal check {file}`." in result.output
 
 
-@pytest.mark.parametrize("installed", [True, False])
-def test_the_extra_of_a_modbus_link_is_named_where_it_is_not_installed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, installed: bool
-) -> None:
-    monkeypatch.setattr(_init, "find_spec", lambda name: object() if installed else None)
-    words = [str(tmp_path / "tool"), "--actuators", "cup:vacuum", "--link", "modbus", "--virtual"]
-    result = CliRunner().invoke(command, words, catch_exceptions=False)
-    assert result.exit_code == 0
-    assert ("needs the extra modbus" in result.output) is not installed
-
-
 def test_a_port_may_be_an_address(tmp_path: Path) -> None:
     words = [str(tmp_path / "tool"), "--actuators", "cup:vacuum,jaw:gripper", "--link", "io:modbus,hand:text"]
     ports = ["--port", "io=tcp://192.168.1.20", "--port", "hand=rfc2217://hand:4001"]
@@ -361,10 +321,7 @@ def test_a_port_may_be_an_address(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (
-            ["--link", "modbus", "--port", "192.168.1.20:502"],
-            "expected tcp://192.168.1.20:502 for Modbus TCP",
-        ),
+        (["--link", "modbus", "--port", "192.168.1.20:502"], "expected tcp://192.168.1.20:502 for Modbus TCP"),
         (["--link", "text", "--port", "tcp://plc"], "expected socket://plc:PORT"),
         (["--link", "io:modbus", "--port", "tcp://plc"], "Expected: --port io=PORT."),
         (["--link", "io:modbus", "--port", "x=tcp://plc"], "--port x=tcp://plc belongs to no link"),
@@ -372,7 +329,7 @@ def test_a_port_may_be_an_address(tmp_path: Path) -> None:
         (["--link", "none", "--port", "tcp://a"], "belongs to no link. Expected: no --port."),
         (["--virtual", "--port", "tcp://a"], "--virtual has ports of its own"),
     ],
-)
+)  # fmt: skip
 def test_a_port_that_cannot_be_is_refused(options: list[str], said: str, tmp_path: Path) -> None:
     refused = CliRunner().invoke(command, [str(tmp_path / "tool"), "--actuators", "cup:vacuum", *options])
     assert said in str(refused.exception)

@@ -18,7 +18,7 @@ from end_effector_hal.errors import LinkBusyError, LinkError, UsageError
 from end_effector_hal.sensing import SENT_INVALID
 from end_effector_hal.wires.link import PtyPair, open_port
 from end_effector_lab.processes import EEHAL
-from tests.unit.cli.doctor.parts import Machine, Sender, frame
+from tests.unit.cli.doctor.conftest import Machine, Sender, frame
 
 pytestmark = pytest.mark.wall
 
@@ -44,16 +44,9 @@ def test_each_channel_and_each_evidence_is_told_once_while_nothing_changes(machi
         events = told(listen(machine, "--json"))
     channels = {each["channel"]: each for each in events if each["event"] == "channel"}
     assert channels["bottom"] | {"time_s": 0, "rate_hz": 0} == {
-        "schema_version": 1,
-        "event": "channel",
-        "time_s": 0,
-        "channel": "bottom",
-        "raw": -70_000,
-        "value": -70.0,
-        "unit": "kPa",
-        "state": "fresh",
-        "rate_hz": 0,
-    }
+        "schema_version": 1, "event": "channel", "time_s": 0, "channel": "bottom", "raw": -70_000,
+        "value": -70.0, "unit": "kPa", "state": "fresh", "rate_hz": 0,
+    }  # fmt: skip
     assert sum(each["event"] == "channel" for each in events) == len(channels)
     last = {each["actuator"]: each["evidence"] for each in events if each["event"] == "evidence"}
     assert last["bottom_vacuum"] == "CONFIRMED"

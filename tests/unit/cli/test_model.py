@@ -75,11 +75,8 @@ def test_a_description_is_checked_with_its_constants() -> None:
     answer = json.loads(result.stdout)
     assert answer["ok"]
     assert [process["name"] for process in answer["processes"][:4]] == [
-        "Gripper",
-        "Actuator(0)",
-        "Actuator(1)",
-        "Actuator(2)",
-    ]
+        "Gripper", "Actuator(0)", "Actuator(1)", "Actuator(2)",
+    ]  # fmt: skip
     assert "t" in answer["clocks"]
     (confirmed,) = [each for each in answer["channels"] if each["name"] == "confirmed[3]"]
     assert (confirmed["senders"], confirmed["receivers"]) == (["Sensors"], ["Gripper", "Actuator"])
@@ -131,11 +128,8 @@ def test_a_query_that_cannot_be_asked_leaves_the_rest_told(query: str, message: 
     assert count == "1 of 2 queries cannot be asked."
     answer = json.loads(run("check", "bad.xml", "--json").stdout)
     assert (answer["ok"], answer["exit_code"], len(answer["faults"]), len(answer["queries"])) == (
-        False,
-        4,
-        1,
-        2,
-    )
+        False, 4, 1, 2,
+    )  # fmt: skip
     assert answer["clocks"] == ["x"]
 
 
@@ -364,15 +358,9 @@ def test_a_value_out_of_range_is_an_error_with_the_run_that_leads_to_it() -> Non
         (["export", "lamp.xml"], "This is a UPPAAL file, not a description."),
         (["simulate", "tool.yaml", "--model", "lamp.xml"], "A description and a model are named."),
         (["show", "--model", "lamp.xml", "-o", "lamp.xml"], "The folder cannot be made"),
-        (
-            ["export", "-o", "no/such/folder/out.xml"],
-            "The file cannot be written: No such file or directory.",
-        ),
+        (["export", "-o", "no/such/folder/out.xml"], "The file cannot be written: No such file or directory."),
         (["simulate", "--model", "lamp.xml", "-o", "lamp.xml/x"], "The folder cannot be made"),
-        (
-            ["simulate", "--model", "lamp.xml", "--choose", "ring"],
-            "Choice 1, 'ring', is not possible after 0 steps",
-        ),
+        (["simulate", "--model", "lamp.xml", "--choose", "ring"], "Choice 1, 'ring', is not possible after 0 steps"),
         (["simulate", "--model", "lamp.xml", "--choose", "Lamp.Onn"], "Did you mean 'On'?"),
         (["simulate", "--steps", "-1"], "Invalid value for '--steps'"),
         (["simulate", "--for", "nan"], "--for nan is no length of time"),
@@ -380,7 +368,7 @@ def test_a_value_out_of_range_is_an_error_with_the_run_that_leads_to_it() -> Non
         (["simulate", "--seed", "x"], "Invalid value for '--seed'"),
         (["dance"], "No such command 'dance'"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_a_sentence_and_exit_code_2(whole: Whole, words: list[str], message: str) -> None:
     code, _, stderr = whole("model", *words)
     assert code == 2

@@ -108,20 +108,13 @@ def test_what_is_not_simulated_has_no_scenario(options: tuple[str, ...], whole: 
     )
 
 
-@pytest.fixture(scope="module")
-def description() -> Description:
-    return load(profile_path())
-
-
 def played(description: Description, causes: Causes, scenario: str, seconds: float) -> VirtualTool:
     tool = VirtualTool(
         description,
         scenario,
         controller=lambda d, n: RecordedController(d, n, lambda record: causes.take(*entry_of(record))),  # type: ignore[arg-type,return-value]
     )
-    tool.run(1.0)
-    assert tool.command("grip").accepted
-    tool.run(seconds)
+    tool.play(1.0, "grip", seconds)
     return tool
 
 
@@ -129,9 +122,9 @@ def the(entries: list[dict[str, Any]], text: str) -> dict[str, Any]:
     return next(entry for entry in entries if text in entry["text"])
 
 
-def test_a_confirmation_names_its_event_its_edge_and_what_the_sensor_said(description: Description) -> None:
-    causes = Causes(description)
-    played(description, causes, "nominal", 5.0)
+def test_a_confirmation_names_its_event_its_edge_and_what_the_sensor_said(verdin: Description) -> None:
+    causes = Causes(verdin)
+    played(verdin, causes, "nominal", 5.0)
     entries = list(causes.new())
     extended = the(entries, "Cylinder EXTENDED")
     assert extended["kind"] == "transition"
@@ -149,33 +142,32 @@ def test_a_confirmation_names_its_event_its_edge_and_what_the_sensor_said(descri
     assert list(causes.new()) == []
 
 
-def test_a_time_out_has_the_guard_of_its_clock_and_no_event(description: Description) -> None:
-    causes = Causes(description)
-    played(description, causes, "never-confirms:cylinder", 7.0)
+def test_a_time_out_has_the_guard_of_its_clock_and_no_event(verdin: Description) -> None:
+    causes = Causes(verdin)
+    played(verdin, causes, "never-confirms:cylinder", 7.0)
     late = next(entry for entry in causes.new() if entry["kind"] == "time-out")
     assert late["cause"] is None
     assert any(">=" in edge.get("guard", "") for edge in late["edges"])
     assert late["readings"]["cylinder"] < 50
 
 
-def test_what_is_stale_is_no_reading(description: Description) -> None:
-    causes = Causes(description)
-    tool = played(description, causes, "nominal", 5.0)
+def test_what_is_stale_is_no_reading(verdin: Description) -> None:
+    causes = Causes(verdin)
+    tool = played(verdin, causes, "nominal", 5.0)
     list(causes.new())
     tool.link = False
-    tool.run(0.5)
-    assert tool.command("drop").accepted
+    tool.play(0.5, "drop")
     (begun,) = [entry for entry in causes.new() if "RELEASING" in entry["text"]]
     assert begun["cause"] == "drop"
     assert set(begun["readings"].values()) == {None}
 
 
 def test_it_stands_before_the_states_that_it_led_to(
-    description: Description, capsys: pytest.CaptureFixture[str]
+    verdin: Description, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    causes = Causes(description)
-    tool = played(description, causes, "nominal", 0.1)
-    changes = Changes(description, JsonLines(0), causes)
+    causes = Causes(verdin)
+    tool = played(verdin, causes, "nominal", 0.1)
+    changes = Changes(verdin, JsonLines(0), causes)
     changes.status(next(status for status in tool.statuses if status.events))
     events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     kinds = [each["event"] for each in events]
@@ -185,7 +177,7 @@ def test_it_stands_before_the_states_that_it_led_to(
     assert "at" not in events[0]
 
 
-def test_who_looks_on_and_fails_ends_no_program(description: Description) -> None:
+def test_who_looks_on_and_fails_ends_no_program(verdin: Description) -> None:
     calls = []
 
     def fail(kind: str, _at: int, _record: object) -> None:
@@ -193,7 +185,7 @@ def test_who_looks_on_and_fails_ends_no_program(description: Description) -> Non
         raise RuntimeError("not today")
 
     recorder = Recorder(observe=fail)
-    controller = recorder.controller(description, network_of(description))
+    controller = recorder.controller(verdin, network_of(verdin))
     controller.start({}, 0)
     controller.advance(1_000_000)
     assert len(calls) == 1

@@ -18,11 +18,6 @@ REST, HELD = EndEffectorState.STAND_BY, EndEffectorState.GRIPPED
 NAMES = ("bottom_vacuum", "cylinder", "top_vacuum")
 
 
-@pytest.fixture
-def tool() -> Description:
-    return load(profile_path())
-
-
 def recorded(rest_kpa: float, held_kpa: float, *states: EndEffectorState) -> tuple[StatesLog, PressuresLog]:
     """Four seconds of each state; at its begin a pressure is on its way."""
     rows, samples = [], []
@@ -47,9 +42,9 @@ def only(tool: Description, states: StatesLog, pressures: PressuresLog) -> Sugge
 
 @pytest.mark.parametrize(("rest_kpa", "held_kpa"), [(0.5, 80.5), (8.0, 45.0), (0.0, 100.0), (-2.0, 30.0)])
 def test_they_lie_between_the_levels_and_a_description_takes_them(
-    tool: Description, rest_kpa: float, held_kpa: float
+    verdin: Description, rest_kpa: float, held_kpa: float
 ) -> None:
-    found = only(tool, *recorded(rest_kpa, held_kpa, REST, HELD, REST))
+    found = only(verdin, *recorded(rest_kpa, held_kpa, REST, HELD, REST))
     # what is still on its way counts for neither level
     assert (found.rest.low, found.rest.high) == pytest.approx((rest_kpa, rest_kpa + 0.2))
     assert (found.held.low, found.held.high) == pytest.approx((held_kpa, held_kpa + 0.2))
@@ -62,8 +57,8 @@ def test_they_lie_between_the_levels_and_a_description_takes_them(
     assert examine_text(written, "tool.yaml").lines() == []
 
 
-def test_each_has_its_evidence_in_words(tool: Description) -> None:
-    found = only(tool, *recorded(1.0, 81.0, REST, HELD, REST))
+def test_each_has_its_evidence_in_words(verdin: Description) -> None:
+    found = only(verdin, *recorded(1.0, 81.0, REST, HELD, REST))
     assert found.why("confirmed_kpa") == "75% of the way from at most 1.2 at rest to at least 81.0 held"
     assert {key for key in SHARES if found.why(key)} == set(found.thresholds)
 
@@ -73,28 +68,25 @@ def test_each_has_its_evidence_in_words(tool: Description) -> None:
     [
         (recorded(0, 80, REST), "does not show it held (GRIPPED) for a while: record a grip and a drop."),
         (recorded(0, 80, HELD), "does not show it at rest (STAND_BY) for a while: record a grip and a drop."),
-        (
-            recorded(30, 40, REST, HELD),
-            "for 1.8 s: closer than 15 kPa, no threshold fits between.",
-        ),
+        (recorded(30, 40, REST, HELD), "for 1.8 s: closer than 15 kPa, no threshold fits between."),
     ],
-)
+)  # fmt: skip
 def test_what_is_not_shown_is_refused_in_words(
-    tool: Description, recording: tuple[StatesLog, PressuresLog], said: str
+    verdin: Description, recording: tuple[StatesLog, PressuresLog], said: str
 ) -> None:
-    found = list(suggestions(tool, *recording))
+    found = list(suggestions(verdin, *recording))
     assert not [each for each in found if isinstance(each, Suggestion)]
     assert str(found[0]).startswith("bottom_vacuum: ")
     assert str(found[0]).endswith(said)
 
 
-def test_a_recording_of_another_tool_and_an_empty_one(tool: Description) -> None:
+def test_a_recording_of_another_tool_and_an_empty_one(verdin: Description) -> None:
     states, pressures = recorded(0, 80, REST, HELD)
     other = replace(pressures, channels=("a", "b", "c", "d"))
     assert "bottom_vacuum: the recording has no pressure 'bottom' of it." in list(
-        suggestions(tool, states, other)
+        suggestions(verdin, states, other)
     )
-    assert list(suggestions(tool, states, replace(pressures, samples=()))) == ["The recording is empty."]
+    assert list(suggestions(verdin, states, replace(pressures, samples=()))) == ["The recording is empty."]
 
 
 def test_a_tool_of_switches_has_no_thresholds(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from end_effector_hal.cli.run._voices import SCENARIO, Changes, JsonLines, Words, status_lines
 from end_effector_hal.control import Answer, EventKind, Status, StepReport, ToolEvent
 from end_effector_hal.control.goals import Outcome
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import Description
 from end_effector_hal.nodes.process import BURST
 from end_effector_hal.runtime import Refused, Result
 from end_effector_hal.vocabulary import WEAK, Alarm, Command, EndEffectorState, received_alarms
@@ -28,11 +28,6 @@ class Screen:
     @property
     def out(self) -> list[str]:
         return [text for text, err in self.lines if not err]
-
-
-@pytest.fixture(scope="module")
-def description() -> Description:
-    return load(profile_path())
 
 
 @pytest.fixture
@@ -98,11 +93,8 @@ def test_json_says_the_outcome_and_the_time(capsys: pytest.CaptureFixture[str]) 
     JsonLines(0).result(Command.GRIP, Refused(Outcome.REJECTED, EndEffectorState.GRIPPED, "Not now."))
     told = json.loads(capsys.readouterr().out)
     assert (told["schema_version"], told["event"], told["outcome"], told["reason"]) == (
-        1,
-        "result",
-        "REJECTED",
-        "Not now.",
-    )
+        1, "result", "REJECTED", "Not now.",
+    )  # fmt: skip
     assert told["at_s"] > 0
 
 
@@ -113,12 +105,10 @@ def entered(before: Status, at: int, state: EndEffectorState) -> Status:
 
 
 def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
-    description: Description, screen: Screen
+    verdin: Description, screen: Screen
 ) -> None:
-    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
-    tool.run(1.0)
-    tool.command("grip")
-    tool.run(5.0)
+    tool, changes = VirtualTool(verdin, "nominal"), Changes(verdin, Words(screen))
+    tool.play(1.0, "grip", 5.0)
     for status in tool.statuses:
         changes.status(status)
     assert screen.out[:5] == [
@@ -131,16 +121,16 @@ def test_a_transition_is_one_line_and_a_change_of_an_actuator_another(
     assert screen.out[-1] == "GRIPPING -> GRIPPED"
 
 
-def test_a_state_that_changes_without_an_event_is_one_line(description: Description, screen: Screen) -> None:
+def test_a_state_that_changes_without_an_event_is_one_line(verdin: Description, screen: Screen) -> None:
     """A HAL that is back begins with the state that it has adopted."""
-    status, changes = VirtualTool(description, "nominal").status, Changes(description, Words(screen))
+    status, changes = VirtualTool(verdin, "nominal").status, Changes(verdin, Words(screen))
     changes.begin(status)
     changes.status(replace(status, ee=EndEffectorState.GRIPPED))
     assert screen.out == ["GRIPPED: Bottom vacuum OFF, Cylinder RETRACTED, Top vacuum OFF"]
 
 
-def test_what_is_waited_for_is_told_before(description: Description, screen: Screen) -> None:
-    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+def test_what_is_waited_for_is_told_before(verdin: Description, screen: Screen) -> None:
+    tool, changes = VirtualTool(verdin, "nominal"), Changes(verdin, Words(screen))
     status = entered(tool.status, 5_000, EndEffectorState.STAND_BY)
     threading.Timer(0.1, changes.status, [status]).start()
     changes.catch_up(status)
@@ -148,22 +138,22 @@ def test_what_is_waited_for_is_told_before(description: Description, screen: Scr
 
 
 def test_nothing_is_waited_for_that_was_told_before_an_older_state(
-    description: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
+    verdin: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A status about a listener has the present time and the number of the status that it repeats."""
     monkeypatch.setattr("end_effector_hal.cli.run._voices.CAUGHT_UP_S", 60.0)
-    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    tool, changes = VirtualTool(verdin, "nominal"), Changes(verdin, Words(screen))
     for at in (5_000, 4_000):
         changes.status(replace(tool.status, at=at, count=7))
     returns_at_once(changes, replace(tool.status, at=5_000, count=7))
 
 
 def test_the_status_that_changes_begin_with_is_not_waited_for(
-    description: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
+    verdin: Description, screen: Screen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """`eehal do` connects, and its first command may be refused, which publishes no status."""
     monkeypatch.setattr("end_effector_hal.cli.run._voices.CAUGHT_UP_S", 60.0)
-    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    tool, changes = VirtualTool(verdin, "nominal"), Changes(verdin, Words(screen))
     status = replace(tool.status, begun=1_000, count=7)
     changes.begin(status)
     returns_at_once(changes, status)
@@ -177,10 +167,10 @@ def returns_at_once(changes: Changes, status: Status) -> None:
 
 
 def test_a_result_waits_for_the_last_of_several_states_of_one_time(
-    description: Description, screen: Screen
+    verdin: Description, screen: Screen
 ) -> None:
     """A reaction has several statuses at the same microsecond: its first one is not its last one."""
-    tool, changes = VirtualTool(description, "nominal"), Changes(description, Words(screen))
+    tool, changes = VirtualTool(verdin, "nominal"), Changes(verdin, Words(screen))
     gripping = entered(tool.status, 5_000, EndEffectorState.GRIPPING)
     gripped = entered(gripping, 5_000, EndEffectorState.GRIPPED)
     changes.status(gripping)
@@ -190,10 +180,10 @@ def test_a_result_waits_for_the_last_of_several_states_of_one_time(
 
 
 def test_no_line_has_a_time_before_that_of_the_line_above(
-    description: Description, capsys: pytest.CaptureFixture[str]
+    verdin: Description, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    tool = VirtualTool(description)
-    changes = Changes(description, JsonLines(0))
+    tool = VirtualTool(verdin)
+    changes = Changes(verdin, JsonLines(0))
     for at, ee in ((5_000, EndEffectorState.GRIPPING), (4_000, EndEffectorState.GRIPPED)):
         changes.status(entered(tool.status, at, ee))
     times = [json.loads(line)["at_s"] for line in capsys.readouterr().out.splitlines()]
@@ -202,15 +192,15 @@ def test_no_line_has_a_time_before_that_of_the_line_above(
 
 
 @pytest.mark.parametrize("as_json", [False, True])
-def test_a_reader_who_has_gone_worries_nobody(as_json: bool, description: Description) -> None:
+def test_a_reader_who_has_gone_worries_nobody(as_json: bool, verdin: Description) -> None:
     """As behind `| head -1`, or a terminal that was closed: the tool goes on, and no listener of it has failed."""
 
     def broken(*_: object, **__: object) -> None:
         raise BrokenPipeError
 
     voice = JsonLines(write=broken) if as_json else Words(broken)
-    tool = VirtualTool(description)
-    Changes(description, voice).status(tool.status)
+    tool = VirtualTool(verdin)
+    Changes(verdin, voice).status(tool.status)
     voice.alarm(0, DOWN, over=False)
     voice.help("A text.")
 
@@ -243,8 +233,8 @@ def alarmed(changes: Changes, *rounds: tuple[Alarm, ...]) -> None:
         changes.status(replace(status, at=at, alarms=alarms))
 
 
-def test_what_is_over_is_said_once_and_not_as_an_alarm(description: Description, screen: Screen) -> None:
-    changes = Changes(description, Words(screen))
+def test_what_is_over_is_said_once_and_not_as_an_alarm(verdin: Description, screen: Screen) -> None:
+    changes = Changes(verdin, Words(screen))
     alarmed(changes, (), (DOWN, WEAK_CUPS), (SECURE_AGAIN,), ())
     assert [text for text in screen.out if text.startswith(("alarm: ", "over: "))] == [
         "alarm: The sensor link is down.",
@@ -254,18 +244,14 @@ def test_what_is_over_is_said_once_and_not_as_an_alarm(description: Description,
     ]
     (line,) = (
         each
-        for each in status_lines(
-            description, replace(VirtualTool(description).status, alarms=(SECURE_AGAIN,))
-        )
+        for each in status_lines(verdin, replace(VirtualTool(verdin).status, alarms=(SECURE_AGAIN,)))
         if "secure" in each
     )
     assert line.startswith("over: Cups was")
 
 
-def test_json_has_the_identity_of_each_alarm(
-    description: Description, capsys: pytest.CaptureFixture[str]
-) -> None:
-    alarmed(Changes(description, JsonLines(0)), (), (WEAK_CUPS,), (SECURE_AGAIN,), ())
+def test_json_has_the_identity_of_each_alarm(verdin: Description, capsys: pytest.CaptureFixture[str]) -> None:
+    alarmed(Changes(verdin, JsonLines(0)), (), (WEAK_CUPS,), (SECURE_AGAIN,), ())
     told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     common = {"schema_version": 1, "event": "alarm", "id": WEAK, "about": "cups", "severity": "warning"}
     assert [each for each in told if each["event"] == "alarm"] == [
@@ -274,6 +260,6 @@ def test_json_has_the_identity_of_each_alarm(
     ]
 
 
-def test_a_scenario_is_said_by_its_name(description: Description, screen: Screen) -> None:
+def test_a_scenario_is_said_by_its_name(verdin: Description, screen: Screen) -> None:
     Words(screen).answer(SCENARIO, Answer(True, "leak:cups"))
     assert screen.out == ["scenario: leak:cups"]

@@ -10,7 +10,7 @@ import pytest
 from end_effector_hal.codecs import codec_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import UsageError
-from tests.unit.cli.check.shipped import NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
+from tests.unit.cli.check.conftest import NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
 
 # A key of each kind of device, as it stands in the shipped file, and what it is called by
 KEYS = [
@@ -39,11 +39,8 @@ OTHERS = ("cylinder_retractd", "unloked", "in_stan", "tool_presnt")
 
 @pytest.mark.parametrize(
     ("old", "new", "wrong", "kind", "key", "meant"),
-    [
-        pytest.param(*each, id=each[2], marks=[pytest.mark.thinned] if each[2] in OTHERS else [])
-        for each in KEYS
-    ],
-)
+    [pytest.param(*each, id=each[2], marks=[pytest.mark.thinned] if each[2] in OTHERS else []) for each in KEYS],
+)  # fmt: skip
 def test_a_channel_that_no_wire_carries_is_refused_for_every_device(
     check: Check, old: str, new: str, wrong: str, kind: str, key: str, meant: str
 ) -> None:
@@ -132,21 +129,11 @@ ANOTHER = """\
 @pytest.mark.parametrize(
     ("codec", "kind", "channel", "offered"),
     [
-        (
-            "ees1-ascii",
-            "vacuum",
-            "further",
-            "expected another codec: ees1-ascii has no free channel for a vacuum",
-        ),
-        (
-            "legacy-nibble",
-            "vacuum",
-            "further",
-            "another codec: legacy-nibble has no free channel for a vacuum",
-        ),
+        ("ees1-ascii", "vacuum", "further", "expected another codec: ees1-ascii has no free channel for a vacuum"),
+        ("legacy-nibble", "vacuum", "further", "another codec: legacy-nibble has no free channel for a vacuum"),
         ("modbus-rtu-transmitters", "cylinder", "further", "has no free channel for a cylinder [EE-225]"),
     ],
-)
+)  # fmt: skip
 def test_only_channels_that_such_an_actuator_can_use_are_offered(
     check: Check, codec: str, kind: str, channel: str, offered: str
 ) -> None:
@@ -194,25 +181,16 @@ def test_a_cylinder_is_offered_its_bit(check: Check) -> None:
             {"channel: bottom": "channel: locked"},
             "'locked' is a position bit and no pressure (locked), expected a free channel of ees1-ascii: bottom [",
         ),
-        (
-            {"  service: SetToolChanger": "  stand_bit: top"},
-            "'top' is a pressure (stand_bit: top), expected a bit",
-        ),
-        (
-            {"channel: top": "channel: tpo"},
-            "ees1-ascii carries nothing that could confirm 'top_vacuum' (tpo)",
-        ),
-        (
-            TRANSMITTERS,
-            "",
-        ),
+        ({"  service: SetToolChanger": "  stand_bit: top"}, "'top' is a pressure (stand_bit: top), expected a bit"),
+        ({"channel: top": "channel: tpo"}, "ees1-ascii carries nothing that could confirm 'top_vacuum' (tpo)"),
+        (TRANSMITTERS, ""),
         (
             {"supply:\n  frozen_s: 2.0": "supply:\n  frozen_s: 0.05"},
             "5 samples take 0.1 s with ees1-ascii (0.05), expected at least 0.1, or null",
         ),
         ({"baudrate: 115200": "baudrate: 100"}, "'baudrate' is out of range (100), expected at least 300"),
     ],
-)
+)  # fmt: skip
 def test_channels_and_codecs_that_do_not_fit(check: Check, replace: dict[str, str], said: str) -> None:
     result = check(replace=replace)
     assert said in result.stderr

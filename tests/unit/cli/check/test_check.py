@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from end_effector_hal.cli import _check
 from end_effector_hal.cli._completion import schema
 from end_effector_hal.description import load, markdown, profile_path, schema_text
-from tests.unit.cli.check.shipped import NIBBLE, NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
+from tests.unit.cli.check.conftest import NIBBLE, NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
 
 
 def test_a_valid_description_is_told_in_short(check: Check) -> None:

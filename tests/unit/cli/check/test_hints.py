@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from end_effector_hal.cli import _check
 from tests.support.places import ROOT
-from tests.unit.cli.check.shipped import NIBBLE, Check, sentences
+from tests.unit.cli.check.conftest import NIBBLE, Check, sentences
 
 
 def test_times_that_the_link_is_too_slow_for_are_told(check: Check) -> None:
@@ -137,11 +137,7 @@ def pasted(**keys: str) -> str:
         ("LINK", "delay: 2", ""),
         ("LINK", "message_wait_milliseconds: 30", "; write pause_ms under frame.modbus of the link"),
         ("FRAME", "message_wait_milliseconds: 30", "; write pause_ms"),
-        (
-            "LINK",
-            "method: rtu",
-            "; leave it out: frame: {modbus: {}} is RTU, with the port tcp://HOST Modbus TCP",
-        ),
+        ("LINK", "method: rtu", "; leave it out: frame: {modbus: {}} is RTU, with the port tcp://HOST Modbus TCP"),
         ("LINK", "bytesize: 8", "; leave it out: a byte has 8 bits"),
         ("FRAME", "retries: 3", "; leave it out: the next period asks again"),
         ("LINK", "serial_port: /dev/ttyS0", "; write port"),
@@ -158,7 +154,7 @@ def pasted(**keys: str) -> str:
         ("COMMAND", "on_power_loss: hold", "; it belongs to actuators.cup"),
         ("FRAME", "on_power_loss: hold", "; it belongs to actuators.<name>"),
     ],
-)
+)  # fmt: skip
 def test_a_pasted_key_is_sent_to_its_place_or_nowhere(
     where: str, key: str, hint: str, tmp_path: Path
 ) -> None:
@@ -217,14 +213,11 @@ def test_a_hexadecimal_address_is_no_number_of_a_manual(tmp_path: Path) -> None:
         ("bias: pull_up}, on: [1]", "write invert: true"),
         ("bias: pull_up}, invert: true", ""),
         ("bias: pull_up}, on: [0]", ""),
-        (
-            "bias: pull_down}, invert: true",
-            "wire a normally closed contact to the supply and write invert: false",
-        ),
+        ("bias: pull_down}, invert: true", "wire a normally closed contact to the supply and write invert: false"),
         ("bias: pull_down}", ""),
         ("bias: as_is}", ""),
     ],
-)
+)  # fmt: skip
 def test_an_e_stop_whose_cut_wire_reads_as_closed_is_warned_of(
     contact: str, told: str, tmp_path: Path
 ) -> None:

@@ -23,7 +23,7 @@ from tests.support.places import ROOT
 from tests.support.proving import proving
 from tests.support.stopped import stop
 from tests.support.stranger import as_nobody
-from tests.unit.cli.doctor.parts import LINES, Machine, serving
+from tests.unit.cli.doctor.conftest import LINES, Machine, serving
 
 
 def test_an_arbiter_and_its_clients(machine: Machine, arbiter: ArbiterServer) -> None:

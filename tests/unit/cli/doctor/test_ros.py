@@ -13,7 +13,7 @@ import pytest
 
 from end_effector_hal.cli.doctor import _ros, _ros2
 from end_effector_hal.cli.doctor._ros2 import look_at_shared_memory
-from tests.unit.cli.doctor.parts import Machine
+from tests.unit.cli.doctor.conftest import Machine
 
 
 class Master:
@@ -166,17 +166,9 @@ def test_two_generations_in_pythonpath(
 
 @pytest.mark.parametrize(
     ("given", "level"),
-    [
-        ("", "ok"),
-        ("0", "ok"),
-        ("101", "ok"),
-        ("102", "warning"),
-        ("214", "warning"),
-        ("215", "ok"),
-        ("232", "ok"),
-    ]
+    [("", "ok"), ("0", "ok"), ("101", "ok"), ("102", "warning"), ("214", "warning"), ("215", "ok"), ("232", "ok")]
     + [(text, "missing") for text in ("233", "-1", "abc", "1.5", "²")],
-)
+)  # fmt: skip
 def test_the_domain(sourced: Machine, monkeypatch: pytest.MonkeyPatch, given: str, level: str) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", given)
     assert about(sourced, "ROS_DOMAIN_ID").partition(":")[0] == level
@@ -187,17 +179,11 @@ def test_the_domain(sourced: Machine, monkeypatch: pytest.MonkeyPatch, given: st
     [
         ({}, "warning: discovery: SUBNET, the default; every machine of the network can command the tool"),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, "ok: discovery: LOCALHOST"),
-        (
-            {"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"},
-            "warning: ROS_AUTOMATIC_DISCOVERY_RANGE is 'localhost', none",
-        ),
-        (
-            {"ROS_LOCALHOST_ONLY": "1", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"},
-            "warning: ROS_LOCALHOST_ONLY=1: this",
-        ),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"}, "warning: ROS_AUTOMATIC_DISCOVERY_RANGE is 'localhost', none"),
+        ({"ROS_LOCALHOST_ONLY": "1", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, "warning: ROS_LOCALHOST_ONLY=1: this"),
         ({"ROS_LOCALHOST_ONLY": "0"}, "warning: discovery: SUBNET"),
     ],
-)
+)  # fmt: skip
 def test_who_is_heard(
     sourced: Machine, monkeypatch: pytest.MonkeyPatch, variables: dict[str, str], said: str
 ) -> None:
