@@ -1,4 +1,4 @@
-"""What the board is made of is built once, and said in one line where it cannot be; without the board."""
+"""What the board is made of is built once, and what becomes of what it left; without the board."""
 
 from __future__ import annotations
 
@@ -6,17 +6,20 @@ import io
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.errors import RosError, UsageError
+from end_effector_hal.recording import StatesWriter, run_info
+from end_effector_lab.demo import scenarios
 from end_effector_lab.testbench import edges_of
 from end_effector_lab.testbench._program import Events
-from tools.board import BoardError, board_parts, need_its_wires
-from tools.board import _parts as module
+from tools.board import BoardError, Ended, _parts, _play, board_parts, need_its_wires, play_on_board
 from tools.board.__main__ import command
 from tools.board._cpio import write_archive
 from tools.board._parts import keep
@@ -34,7 +37,7 @@ def recipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (folder / "packages.txt").write_text("python3\n")
     (folder / "_cpio.py").write_text("")
     (folder / "build.sh").write_text('echo once >>"$(dirname "$0")/count"; touch "$1/root.cpio"\n')
-    monkeypatch.setattr(module, "HERE", folder)
+    monkeypatch.setattr(_parts, "HERE", folder)
     return folder
 
 
@@ -131,7 +134,7 @@ def test_a_cache_that_cannot_be_written(
 
 
 def test_the_board_has_the_same_versions_and_nothing_that_draws() -> None:
-    requirements = module._requirements("end-effector-hal")
+    requirements = _parts._requirements("end-effector-hal")
     names = {each.partition("==")[0] for each in requirements}
     assert f"pydantic=={version('pydantic')}" in requirements
     assert {"pydantic-core", "gpiod", "lark", "ruamel-yaml", "click"} <= names
@@ -249,3 +252,79 @@ def test_what_a_testbench_saw_of_the_lines(tmp_path: Path) -> None:
         (100, "A", True),
         (300, "A", False),
     ]
+
+
+# What becomes of what the board left; without the board.
+
+
+TOOL = load(profile_path())
+NOMINAL = scenarios(TOOL)[0]
+Left = Callable[[Path], Ended]
+
+
+@pytest.fixture
+def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[Left], Any]:
+    """Plays the first scenario on a board that leaves what the test says."""
+
+    def play(left: Left) -> Any:
+        def run_board(parts: Path, folder: Path, job: str, **options: Any) -> Ended:
+            assert f"--own-wires --no-figures --only {NOMINAL.name} --no-ros -o /run/results" in job
+            assert options["testbench"] == [str(TOOL.source), "--scenario", "nominal"]
+            assert set(options["files"]) == {
+                "opt/end-effector/tool/end_effector.yaml",
+                "opt/end-effector/tool/end_effector.xml",
+            }
+            return left(folder)
+
+        monkeypatch.setattr(_play, "run_board", run_board)
+        return play_on_board(NOMINAL, TOOL, tmp_path, tmp_path / "run", ros=False, figures=False)
+
+    return play
+
+
+def at_rest(folder: Path) -> Ended:
+    """A recording in which nothing happens."""
+    recorded = folder / "results" / NOMINAL.name
+    (recorded / "ros").mkdir(parents=True)
+    (recorded / "ros" / "latest").symlink_to("/run/results/nominal/ros/1")
+    run_info(TOOL, scenario="nominal", ros=False).write(recorded)
+    writer = StatesWriter(recorded / "states.csv", TOOL.sequence)
+    writer.write(0.0, 0, -1, [0, 0, 0])
+    writer.write(1.0, 6, -1, [0, 0, 0])
+    writer.close()
+    events = Events(folder / "events")
+    events.line("SODIMM_208", True, 100, 100)
+    events.close()
+    return Ended(1, "it said this", 12.5)
+
+
+def test_a_recording_comes_home_and_is_judged_by_the_pins(
+    play: Callable[[Left], Any], tmp_path: Path
+) -> None:
+    played = play(at_rest)
+    assert (played.seconds, played.folder) == (12.5, tmp_path / "run")
+    faults = [fault.partition(":")[0] for fault in played.faults]
+    assert faults == ["states", "commands", "attempts", "wires", "answers", "replay"]
+    names = {path.name for path in (tmp_path / "run").iterdir()}
+    assert {"states.csv", "run.json", "events", "end_effector.yaml", "ros"} <= names
+    assert (tmp_path / "run" / "ros" / "latest").is_symlink()
+
+
+def test_the_same_folder_again(play: Callable[[Left], Any], tmp_path: Path) -> None:
+    play(at_rest)
+    (tmp_path / "run" / "old").write_text("")
+    play(at_rest)
+    assert not (tmp_path / "run" / "old").exists()
+
+
+def test_a_folder_of_somebody_else(play: Callable[[Left], Any], tmp_path: Path) -> None:
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "thesis.txt").write_text("")
+    with pytest.raises(UsageError, match="did not write"):
+        play(at_rest)
+
+
+@pytest.mark.parametrize("code", [None, 2, 3, 0])
+def test_a_board_that_leaves_no_recording(play: Callable[[Left], Any], code: int | None) -> None:
+    with pytest.raises(BoardError, match=r"left no recording in .*/run; it said:\n    kernel panic"):
+        play(lambda folder: Ended(code, "kernel panic\n", 1.0))

@@ -18,10 +18,10 @@ from end_effector_hal.errors import DescriptionError, UsageError
 from tests.support.places import DOCS
 from tests.support.refuted import REFUTED
 from tests.support.terminal import on_a_terminal
+from tests.unit.conftest import Whole
 
 MAIN = "from end_effector_hal.cli import main; main()"
 FULL = "The output cannot be written: No space left on device.\n"
-from tests.unit.conftest import Whole
 
 
 def run(*arguments: str, stdout: int) -> tuple[int, str]:

@@ -16,23 +16,10 @@ from _pytest.mark.expression import Expression
 from tests.support.places import ROOT
 
 CALLED = [
-    "setup",
-    "check",
-    "docs",
-    "test-dist",
-    "test",
-    "test-thinned",
-    "test-page",
-    "kill-matrix",
-    "matrix-processes",
-    "demo",
-    "test-readme",
-    "test-ros2",
-    "kill-matrix-ros2",
-    "link-campaign",
-    "build-kernel.sh",
-    "test-gpiochip",
-]
+    "setup", "check", "docs", "test-dist", "test", "test-thinned", "test-page", "kill-matrix",
+    "matrix-processes", "demo", "test-readme", "test-ros2", "kill-matrix-ros2", "link-campaign",
+    "build-kernel.sh", "test-gpiochip",
+]  # fmt: skip
 STAND_IN = """#!/bin/sh
 echo "$1" >>called
 case "$* $WALL" in

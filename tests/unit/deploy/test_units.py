@@ -175,11 +175,7 @@ def test_the_package_asks_the_tool_before_it_touches_its_services(restart: str) 
 @pytest.mark.parametrize(
     ("arguments", "variables", "given"),
     [
-        (
-            (),
-            {"EEHAL_DESCRIPTION": "/etc/my tool.yaml"},
-            ["hal", "--ros-args", "-p", "description:=/etc/my tool.yaml"],
-        ),
+        ((), {"EEHAL_DESCRIPTION": "/etc/my tool.yaml"}, ["hal", "--ros-args", "-p", "description:=/etc/my tool.yaml"]),
         (
             ("data_logger", "-r", "__ns:=/left"),
             {"EEHAL_DESCRIPTION": "/t.yaml", "EEHAL_LOG_DIRECTORY": "/var/log/eehal/a run"},
@@ -189,7 +185,7 @@ def test_the_package_asks_the_tool_before_it_touches_its_services(restart: str) 
             ],
         ),
     ],
-)
+)  # fmt: skip
 def test_the_start_of_the_nodes_in_ros_2(
     tmp_path: Path, arguments: tuple[str, ...], variables: dict[str, str], given: list[str]
 ) -> None:

@@ -66,12 +66,26 @@ inputs:
 """
 
 
+GAUGE = """\
+title: My gauge
+maker: me
+confirmed: maker
+documents: [{title: my notes}]
+registers: []
+link: {baudrate: 19200, period_ms: 50, frame: {text: {start: "$"}}}
+channels:
+  vacuum: {text: {key: P}, unit: kPa}
+  ok: {text: {key: S}, on: [1]}
+"""
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Is the working directory, and has `mine/jaw.yaml`."""
+    """Is the working directory, and has `jaw.yaml`, `board.yaml` and `gauge.yaml` in `mine`."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "jaw.yaml").write_text(OWN)
+    for name, text in (("jaw", OWN), ("board", BOARD), ("gauge", GAUGE)):
+        (tmp_path / "mine" / f"{name}.yaml").write_text(text)
     return tmp_path
 
 
@@ -132,7 +146,6 @@ def test_its_channels_have_the_name_of_the_actuator_in_front(folder: Path) -> No
     assert [each.unit for each in found.register_outputs.values()] == [7, 8]
     assert getattr(found.actuators["right"], "part_bit") == "right_part"  # noqa: B009 it is the kind's own key
     assert found.channels["right_hot"].alarm[0].unproven == ("right",)
-    assert found.link is not None
     assert (found.link.baudrate, found.link.period_ms) == (19_200, 100), "their periods add up"
 
 
@@ -148,7 +161,6 @@ def test_what_the_description_writes_precedes(folder: Path) -> None:
     more = "channels:\n  jaw_part: {on: [2, 3]}\n"
     found = tool(mine("jaw: {device: jaw, timeout_s: 9, modbus: {command_on: [5]}}", more))
     output = found.actuators["jaw"].modbus
-    assert output is not None
     assert (output.command_on, output.command_off, output.on_link_loss) == ((5,), (0,), "hold")
     assert found.actuators["jaw"].timeout_s == 9
     assert found.channels["jaw_part"].on == (2, 3)
@@ -159,22 +171,15 @@ def test_what_the_description_writes_precedes(folder: Path) -> None:
 
 
 def test_one_output_of_several_is_named_and_each_input_is_a_channel(folder: Path) -> None:
-    (folder / "mine" / "board.yaml").write_text(BOARD)
     inputs = "channels:\n  seen: {device: board, input: di2, invert: true, modbus: {unit: 4}}\n"
     found = tool(mine("cup: {device: board, output: do2, unit: 4, kind: vacuum, channel: seen}", inputs))
     output = found.actuators["cup"].modbus
-    assert output is not None
     assert (output.unit, output.address, output.register_type, output.verify) == (
-        4,
-        11,
-        "coil",
-        "cup_switched",
-    )
+        4, 11, "coil", "cup_switched",
+    )  # fmt: skip
     assert {*found.channels} == {"seen", "cup_switched"}
     register = found.channels["seen"].modbus
-    assert register is not None
     assert (register.unit, register.address, found.channels["seen"].invert) == (4, 21, True)
-    assert found.link is not None
     assert found.link.period_ms == 30, "one board is read once"
     assert {*found.used_devices} == {"cup", "channel seen"}
 
@@ -194,13 +199,11 @@ def test_one_output_of_several_is_named_and_each_input_is_a_channel(folder: Path
     ],
 )
 def test_an_output_that_is_not_there_is_refused(folder: Path, use: str, said: str) -> None:
-    (folder / "mine" / "board.yaml").write_text(BOARD)
     (line,) = lines_of(mine(use))
     assert said in line
 
 
 def test_an_input_that_is_not_there_is_refused(folder: Path) -> None:
-    (folder / "mine" / "board.yaml").write_text(BOARD)
     (line,) = lines_of(mine("jaw: {device: jaw}", "channels:\n  seen: {device: board, input: di3}\n"))
     assert line.startswith("tool.yaml:9:32: board has no such input (di3), expected input: di1 or di2")
 
@@ -208,17 +211,12 @@ def test_an_input_that_is_not_there_is_refused(folder: Path) -> None:
 def test_the_link_keeps_what_is_written_there(folder: Path) -> None:
     link = "link: {port: /dev/a, baudrate: 9600, frame: {modbus: {timeout_ms: 99}}}"
     found = tool(mine("jaw: {device: jaw}", link=link)).link
-    assert found is not None
-    assert found.frame is not None
-    assert found.frame.modbus is not None
     assert (found.baudrate, found.period_ms, found.frame.modbus.timeout_ms) == (9600, 50, 99)
 
 
 def test_a_network_has_no_baud_rate(folder: Path) -> None:
     Path("tool.yaml").write_text(mine("jaw: {device: jaw}", link="link: {port: 'tcp://10.0.0.2'}"))
     likely = examine("tool.yaml").likely
-    assert likely is not None
-    assert likely.link is not None
     assert (likely.link.baudrate, likely.link.period_ms) == (None, 50)
 
 
@@ -246,12 +244,8 @@ def test_a_condition_of_an_evidence_is_replaced_as_a_whole(folder: Path) -> None
     )
     (folder / "mine" / "jaw.yaml").write_text(own)
     plain = tool(mine("jaw: {device: jaw}")).actuators["jaw"].evidence
-    assert plain is not None
-    assert plain.confirmed is not None
     assert plain.confirmed.on == "jaw_part"
     (changed,) = tool(mine("jaw: {device: jaw, evidence: {gone: {not: {on: jaw_part}}}}")).actuators.values()
-    assert changed.evidence is not None
-    assert changed.evidence.gone is not None
     assert changed.evidence.gone.on is None
 
 
@@ -369,7 +363,6 @@ WRONG = ["5", "true", "null", "[]", "[a]", "{}", "{a: 1}", '""']
 @pytest.mark.parametrize("value", WRONG)
 @pytest.mark.parametrize("key", ["device", "unit", "link", "output", "modbus", "kind", "evidence", "line"])
 def test_no_value_beside_a_device_makes_it_raise(folder: Path, key: str, value: str) -> None:
-    (folder / "mine" / "board.yaml").write_text(BOARD)
     for name in ("jaw", "board"):
         keys = {"device": name, "output": "do1", key: value}
         lines_of(mine(f"a: {{{', '.join(f'{each}: {said}' for each, said in keys.items())}}}"))
@@ -529,23 +522,11 @@ def test_a_tool_changer_a_blow_off_and_a_lamp_use_outputs_of_a_board(folder: Pat
     ],
 )
 def test_what_such_an_output_cannot_use_is_one_fault(folder: Path, old: str, new: str, expected: str) -> None:
-    (folder / "mine" / "board.yaml").write_text(BOARD)
     assert old in CELL
     (line,) = lines_of(CELL.replace(old, new))
     assert expected in line
 
 
-GAUGE = """\
-title: My gauge
-maker: me
-confirmed: maker
-documents: [{title: my notes}]
-registers: []
-link: {baudrate: 19200, period_ms: 50, frame: {text: {start: "$"}}}
-channels:
-  vacuum: {text: {key: P}, unit: kPa}
-  ok: {text: {key: S}, on: [1]}
-"""
 GAUGED = """\
 name: tool
 devices: mine
@@ -558,7 +539,6 @@ supply: {channel: none}
 
 
 def test_a_link_is_a_sensor_with_all_its_channels(folder: Path) -> None:
-    (folder / "mine" / "gauge.yaml").write_text(GAUGE)
     found = tool(GAUGED)
     assert found.link
     assert (found.link.baudrate, found.link.period_ms) == (19200, 20), "what is written here precedes"
@@ -568,7 +548,6 @@ def test_a_link_is_a_sensor_with_all_its_channels(folder: Path) -> None:
 
 
 def test_each_of_several_links_is_a_sensor_of_its_own(folder: Path) -> None:
-    (folder / "mine" / "gauge.yaml").write_text(GAUGE)
     links = "links:\n  a: {port: /dev/a, device: gauge}\n  b: {port: /dev/b, device: gauge}\n"
     found = tool(
         GAUGED.replace("link: {port: /dev/a, device: gauge, period_ms: 20}\n", links).replace(
@@ -576,11 +555,8 @@ def test_each_of_several_links_is_a_sensor_of_its_own(folder: Path) -> None:
         )
     )
     assert {name: each.link for name, each in found.channels.items()} == {
-        "a_vacuum": "a",
-        "a_ok": "a",
-        "b_vacuum": "b",
-        "b_ok": "b",
-    }
+        "a_vacuum": "a", "a_ok": "a", "b_vacuum": "b", "b_ok": "b",
+    }  # fmt: skip
 
 
 def test_a_sensor_on_a_bus_has_the_unit_beside_it(folder: Path) -> None:
@@ -598,7 +574,6 @@ def test_a_sensor_on_a_bus_has_the_unit_beside_it(folder: Path) -> None:
     [("jaw", "jaw is no sensor with a link of its own"), ("guage", "there is no such device in the library")],
 )
 def test_a_link_refuses_what_is_no_sensor(folder: Path, name: str, expected: str) -> None:
-    (folder / "mine" / "gauge.yaml").write_text(GAUGE)
     found = [
         each for each in lines_of(GAUGED.replace("device: gauge", f"device: {name}")) if "EE-230" in each
     ]

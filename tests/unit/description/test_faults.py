@@ -72,19 +72,11 @@ automata: {file: gone.xml}
 """
     found = faults(text)
     assert [line.split(": ", 1)[0] + " " + line[-7:-1] for line in found] == [
-        "tool.yaml:1:7 EE-211",
-        "tool.yaml:3:3 EE-205",
-        "tool.yaml:4:13 EE-207",
-        "tool.yaml:5:17 EE-220",
-        "tool.yaml:5:22 EE-220",
-        "tool.yaml:8:11 EE-209",
-        "tool.yaml:10:5 EE-204",
-        "tool.yaml:12:5 EE-210",
-        "tool.yaml:13:14 EE-208",
-        "tool.yaml:16:11 EE-221",
-        "tool.yaml:19:19 EE-223",
+        "tool.yaml:1:7 EE-211", "tool.yaml:3:3 EE-205", "tool.yaml:4:13 EE-207", "tool.yaml:5:17 EE-220",
+        "tool.yaml:5:22 EE-220", "tool.yaml:8:11 EE-209", "tool.yaml:10:5 EE-204", "tool.yaml:12:5 EE-210",
+        "tool.yaml:13:14 EE-208", "tool.yaml:16:11 EE-221", "tool.yaml:19:19 EE-223",
         "tool.yaml:20:18 EE-224",
-    ]
+    ]  # fmt: skip
 
 
 def test_an_automata_file_that_is_named_must_be_there(

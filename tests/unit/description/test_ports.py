@@ -157,7 +157,6 @@ def test_an_address_has_a_place_that_is_the_same_in_every_form() -> None:
     found = [network_address(text) for text in ("tcp://PLC", "rtu+tcp://plc:502", "socket://plc:502")]
     assert {each.place for each in found if each} == {"plc:502"}
     six = network_address("tcp://[::1]:1502")
-    assert six is not None
     assert (six.host, six.place, str(six)) == ("::1", "[::1]:1502", "tcp://[::1]:1502")
     assert network_address("/dev/ttyUSB0") is None
 
@@ -165,11 +164,9 @@ def test_an_address_has_a_place_that_is_the_same_in_every_form() -> None:
 def test_a_virtual_copy_has_an_address_of_this_machine_of_its_own() -> None:
     text = TOOL.format(port="tcp://plc", frame="modbus", channel=CHANNEL["modbus"], more="")
     tool = examine_text(text, "tool.yaml").description
-    assert tool is not None
     ports = {tool.with_virtual("/x/chip", f"/x/{number}/uart").links[""].port for number in range(200)}
     assert len(ports) == 200
     for port in ports:
         address = network_address(port)
-        assert address is not None
         assert address.scheme == "tcp"
         assert address.host.startswith("127.")

@@ -1,20 +1,29 @@
-"""What needs an extra that is not installed says so in one sentence with the command; the rest works without it."""
+"""What needs an extra, Linux or a plug-in that hangs says so; the rest works without it."""
 
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 import tomllib
+from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import pytest
 
-from end_effector_hal import _extras
+from end_effector_hal import _extras, plugins
 from end_effector_hal._extras import DISTRIBUTION, extras
 from end_effector_hal.cli import _main
 from end_effector_hal.cli.doctor import _machine
 from end_effector_hal.cli.doctor._check_result import Level
+from end_effector_hal.codecs import _registry as codecs
+from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import profile_path
+from end_effector_hal.errors import DescriptionError, UsageError
+from end_effector_hal.kinds import _registry as kinds
+from end_effector_lab.processes import EEHAL
 from tests.support.blocked import eehal_without
 from tests.support.nightly import first_of
 from tests.support.places import ROOT
@@ -38,7 +47,6 @@ def test_the_extras() -> None:
 
 def test_a_module_is_found_under_the_name_of_its_package() -> None:
     missing = _extras.missing_extra("It needs", ModuleNotFoundError(name="prometheus_client.core"))
-    assert missing is not None
     assert "[page]" in missing.todo
 
 
@@ -129,11 +137,8 @@ def test_verify_writes_text_and_states(tmp_path: Path) -> None:
     done = eehal_without(["matplotlib"], "verify", "--model", "model.xml", "-o", "out", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (4, NO_FIGURE)
     assert {path.name for path in (tmp_path / "out" / "stays").iterdir()} == {
-        "run.txt",
-        "events.csv",
-        "states.csv",
-        "run.json",
-    }
+        "run.txt", "events.csv", "states.csv", "run.json",
+    }  # fmt: skip
 
 
 def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
@@ -143,11 +148,8 @@ def test_simulate_writes_text_and_states(tmp_path: Path) -> None:
     )
     assert (done.returncode, done.stderr) == (0, NO_FIGURE)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "run.txt",
-        "events.csv",
-        "states.csv",
-        "run.json",
-    }
+        "run.txt", "events.csv", "states.csv", "run.json",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("command", ["--help", "check"])
@@ -189,3 +191,136 @@ def test_the_doctor_says_which_extra_is_missing(monkeypatch: pytest.MonkeyPatch)
     assert all(each.todo.startswith("Needed by ") for each in told)
     monkeypatch.setattr(_machine, "version_of", lambda name: True)
     assert not [each for each in _machine.look_at_python() if "extra" in each.what]
+
+
+# What looks at a tool and at its recordings needs no Linux; the core loads no wires.
+
+
+BLOCKED = ("fcntl", "termios", "pwd", "grp", "gpiod", "inotify_simple")
+
+
+def eehal(*words: object) -> subprocess.CompletedProcess[str]:
+    return eehal_without(BLOCKED, *words)
+
+
+@pytest.mark.parametrize(
+    "words", first_of([("check",), ("model", "check"), ("schema",), ("model", "simulate")])
+)
+def test_a_tool_is_looked_at(words: tuple[str, ...]) -> None:
+    done = eehal(*words)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_network_is_verified_and_a_counterexample_written(tmp_path: Path) -> None:
+    (tmp_path / "model.xml").write_text(REFUTED, encoding="utf-8")
+    done = eehal("verify", "--model", tmp_path / "model.xml", "-o", tmp_path / "out")
+    assert (done.returncode, done.stderr) == (4, "")
+    written = {path.name for path in (tmp_path / "out" / "stays").iterdir()}
+    assert {"run.txt", "states.csv", "run.json"} <= written
+
+
+def test_a_run_of_the_model_is_written(tmp_path: Path) -> None:
+    done = eehal("model", "simulate", "-o", tmp_path / "out")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert {"run.txt", "states.csv", "run.json"} <= {path.name for path in (tmp_path / "out").iterdir()}
+
+
+def test_a_recording_is_replayed(tmp_path: Path) -> None:
+    done = eehal("replay", recorded(tmp_path / "run", "nominal", 1.0, "grip", 1.0))
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.nightly
+def test_a_recording_is_drawn(tmp_path: Path) -> None:
+    eehal("model", "simulate", "-o", tmp_path / "out")
+    done = eehal("plot", tmp_path / "out")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_needs_linux_says_so(tmp_path: Path) -> None:
+    done = eehal("testbench", "--lines", f"virtual:{tmp_path / 'chip'}", "--port", f"pty:{tmp_path / 'uart'}")
+    assert done.returncode == 2
+    assert done.stderr.startswith("This command needs Linux: there is no module ")
+
+
+@pytest.mark.parametrize("module", ["end_effector_hal.control", "end_effector_hal.codecs", "timed_automata"])
+def test_the_core_loads_no_wires(module: str) -> None:
+    wires = ("serial", "inotify_simple", "gpiod", "fcntl", "matplotlib", "numpy", "end_effector_hal.wires")
+    seen = f"import sys, {module}\nprint(sorted(name for name in {wires} if name in sys.modules))"
+    assert subprocess.check_output([sys.executable, "-c", seen], text=True) == "[]\n"
+
+
+# A plug-in whose import does not end disturbs nobody who does not use it, and is named to who does.
+
+
+GROUPS = ("codecs", "kinds", "physics", "commands", "figures", "simulation", "bags", "sweep")
+
+
+@pytest.fixture
+def hanging(tmp_path: Path) -> Path:
+    """A distribution that adds a plug-in `evil` of every sort."""
+    (tmp_path / "evil.py").write_text("import time\nprint('imported', flush=True)\ntime.sleep(600)\n")
+    info = tmp_path / "evil-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: evil\nVersion: 1\n")
+    points = (f"[end_effector_hal.{group}]\nevil = evil:Evil\n" for group in GROUPS)
+    (info / "entry_points.txt").write_text("\n".join(points))
+    return tmp_path
+
+
+@pytest.mark.parametrize("words", [("check",), ("doctor", "--only", "description,python", "--json")])
+def test_who_does_not_use_it_does_not_import_it(hanging: Path, words: tuple[str, ...]) -> None:
+    tools = (profile_path(), ROOT / "examples/tools/double_acting_jaw/end_effector.yaml")
+    bad = hanging / "bad.yaml"  # hints are looked for in all kinds
+    bad.write_text(tools[1].read_text().replace("kind: gripper", "kind: gripper\n    colour: red"))
+    path = os.pathsep.join((str(hanging), os.environ.get("PYTHONPATH", "")))
+    for tool, code in ((tools[0], 0), (tools[1], 0), (bad, 2)):
+        done = subprocess.run(
+            [*EEHAL, *words, str(tool)],
+            env=os.environ | {"PYTHONPATH": path},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert (done.returncode, "imported" in done.stdout) == (code, False), done.stdout + done.stderr
+
+
+@pytest.fixture
+def evil(hanging: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(hanging))
+    points = EntryPoints(EntryPoint("evil", "evil:Evil", f"end_effector_hal.{group}") for group in GROUPS)
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
+    monkeypatch.setattr(plugins, "LOAD_S", 0.2)
+    for plugged in (codecs._CODECS, kinds._KINDS):
+        monkeypatch.setattr(plugged, "_begun", {})
+
+
+TOOL = """\
+name: cup
+link: {{port: /dev/ttyUSB0, codec: {codec}}}
+sequence: [cup]
+actuators: {{cup: {{kind: {kind}, line: GPIO1, channel: bottom}}}}
+supply: {{channel: none}}
+"""
+
+
+@pytest.mark.usefixtures("evil")
+def test_who_uses_it_reads_that_its_import_does_not_end() -> None:
+    for get in (codecs.get_codec, kinds.get_kind):
+        for _ in range(2):
+            with pytest.raises(UsageError, match=r"evil: its import did not end within 0\.2 s\."):
+                get("evil")
+
+
+@pytest.mark.usefixtures("evil")
+@pytest.mark.parametrize(("codec", "kind"), [("ees1-ascii", "evil"), ("evil", "vacuum")])
+def test_check_names_it_and_means_nothing_else(codec: str, kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "tool.yaml"
+    path.write_text(TOOL.format(codec=codec, kind=kind))
+    with pytest.raises(DescriptionError) as refused:
+        load_tool(path)
+    said = str(refused.value)
+    assert "evil: its import did not end within 0.2 s" in said
+    assert "did you mean 'evil'" not in said
+    assert "that can be loaded" in said

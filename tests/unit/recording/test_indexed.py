@@ -65,8 +65,6 @@ def test_a_closed_segment_is_sorted_by_time_and_has_an_index(tmp_path: Path) -> 
         assert found == sorted(found)
         assert [each.name for each in reader.iter_attachments()] == list(FILES)
         summary = reader.get_summary()
-    assert summary is not None
-    assert summary.statistics is not None
     assert summary.statistics.message_count == len(found) == len(TIMES) * 300
     starts = [each.message_start_time for each in summary.chunk_indexes]
     assert starts == sorted(starts)

@@ -90,11 +90,8 @@ def test_the_story_names_the_parts_and_counts_their_attempts(tables: Path) -> No
     }
     assert story.verdict == "2 grips: 1 GRIPPED box, 1 GRIPPED panel"
     assert [each.text for each in story.moments if each.kind == "command"] == [
-        "GRIP box",
-        "DROP",
-        "GRIP panel",
-        "DROP",
-    ]
+        "GRIP box", "DROP", "GRIP panel", "DROP",
+    ]  # fmt: skip
 
 
 def test_limits_that_differ_among_the_parts_are_not_drawn(tool: Description, tables: Path) -> None:

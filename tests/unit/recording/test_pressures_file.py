@@ -21,14 +21,6 @@ def write(path, samples):
         return [writer.write(time_s, dict(zip(CHANNELS, values, strict=True))) for time_s, values in samples]
 
 
-def answer(path):
-    try:
-        read_pressures(path)
-    except UsageError as error:
-        return str(error)
-    return "read"
-
-
 def test_what_is_read_is_what_was_written(path):
     write(path, [(0.0, (0.0, 600.0)), (0.02, (-12.345, None)), (0.04, (-30.0, 600.5))])
     assert (
@@ -108,32 +100,6 @@ def test_a_last_line_without_its_end_is_dropped_because_digits_may_be_missing(pa
     log = read_pressures(path)
     assert log.times_s == (0.0,)
     assert log.note == f"{path}:3: the last line is cut off and was dropped."
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "pressures.csv:1: This file is empty"),
-        ("time,bottom\n", "pressures.csv:1: The header is"),
-        ("time_s,bottom\n0,1\n", "pressures.csv:1: The column 'bottom' has no unit, expected is a"),
-        ("time_s,a_mm,a_v\n", "pressures.csv:1: The channel 'a' has two columns."),
-        ("time_s,bottom_gauge_kpa\n0,x\n", "pressures.csv:2: bottom is 'x', expected is a number."),
-        ("time_s,bottom_gauge_kpa\n0\n", "pressures.csv:2: This row has 1 fields, the header names 2."),
-        ("time_s,bottom_gauge_kpa\n1,0\n0,0\n", "pressures.csv:3: Time runs backwards"),
-    ],
-)
-def test_a_bad_file_is_refused_with_file_and_line(path, text, message):
-    path.write_text(text)
-    with pytest.raises(UsageError) as caught:
-        read_pressures(path)
-    assert message in str(caught.value)
-
-
-@given(st.binary(max_size=200))
-def test_arbitrary_bytes_are_read_or_refused(tmp_path_factory, data):
-    path = tmp_path_factory.mktemp("bytes") / "pressures.csv"
-    path.write_bytes(b"time_s,bottom_gauge_kpa,supply_gauge_kpa\n" + data)
-    assert answer(path).startswith(("read", f"{path}:"))
 
 
 @given(

@@ -21,22 +21,9 @@ def test_the_keys_are_those_of_the_contract(tmp_path):
     content = json.loads(INFO.write(tmp_path).read_text())
     assert content["schema_version"] == 1
     keys = [
-        "schema_version",
-        "scenario",
-        "description",
-        "hash",
-        "version",
-        "ros",
-        "started",
-        "actuators",
-        "limits",
-        "switches",
-        "simulated",
-        "ros_generation",
-        "start_us",
-        "gaps",
-        "seed",
-    ]
+        "schema_version", "scenario", "description", "hash", "version", "ros", "started", "actuators",
+        "limits", "switches", "simulated", "ros_generation", "start_us", "gaps", "seed",
+    ]  # fmt: skip
     assert list(content) == keys
 
 

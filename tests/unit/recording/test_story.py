@@ -56,11 +56,8 @@ def test_the_nominal_scenario():
     assert moments(story) == [(1.0, "GRIP"), (2.5, "GRIPPED"), (11.0, "DROP")]
     (grip,) = story.grips
     assert (grip.start_s, grip.decided_s, grip.decision, grip.culprit) == (
-        1.0,
-        2.5,
-        GripDecision.GRIPPED,
-        None,
-    )
+        1.0, 2.5, GripDecision.GRIPPED, None,
+    )  # fmt: skip
     (release,) = story.releases
     assert (release.cause, release.start_s, release.end_s) == (ReleaseCause.DROP, 11.0, 12.0)
     assert release.deactivated == ("top_vacuum", "cylinder", "bottom_vacuum")
@@ -327,35 +324,19 @@ def test_other_recordings(rows, events, verdict):
 def test_rows_of_grips_whose_events_were_removed_are_no_grip():
     """Old segments are removed of each table for itself."""
     rows = ((1.0, 1, 2, 1, 0, 0), (2.0, 5, 2, 1, 0, 0), (3.0, 6, -1, 0, 0, 0), (50.0, 1, 2, 1, 0, 0))
-    kind, state = EventKind, EndEffectorState
-    events = (
-        EventRow(50.0, kind.STATE_CHANGED, old=state.STAND_BY, new=state.GRIPPING),
-        EventRow(50.0, kind.ATTEMPT_BEGAN, "bottom_vacuum", 1),
-        EventRow(51.0, kind.STATE_CHANGED, old=state.GRIPPING, new=state.GRIPPED),
-    )
-    (grip,) = read_story(replace(log(*rows), events=events)).grips
+    events = [(50.0, "STAND_BY>GRIPPING; began bottom_vacuum 1"), (51.0, "GRIPPING>GRIPPED")]
+    (grip,) = read_story(log(*rows, events=events)).grips
     assert (grip.start_s, grip.decided_s, grip.decision) == (50.0, 51.0, GripDecision.GRIPPED)
 
 
 def test_events_from_before_the_first_state_are_told_in_their_order():
-    kind, state = EventKind, EndEffectorState
-    events = (
-        EventRow(0.2, kind.STATE_CHANGED, old=state.OFF, new=state.STAND_BY),
-        EventRow(1.0, kind.STATE_CHANGED, old=state.STAND_BY, new=state.GRIPPING),
-        EventRow(2.0, kind.STATE_CHANGED, old=state.GRIPPING, new=state.GRIPPED),
-    )
-    (grip,) = read_story(replace(log((1.6, 1, 2, 1, 0, 0), (2.0, 3, -1, 2, 2, 2)), events=events)).grips
+    events = [(0.2, "OFF>STAND_BY"), (1.0, "STAND_BY>GRIPPING"), (2.0, "GRIPPING>GRIPPED")]
+    (grip,) = read_story(log((1.6, 1, 2, 1, 0, 0), (2.0, 3, -1, 2, 2, 2), events=events)).grips
     assert (grip.start_s, grip.decided_s) == (1.0, 2.0)
 
 
 def test_a_grip_whose_end_is_not_recorded_is_not_the_next_one():
-    kind, state = EventKind, EndEffectorState
-    events = (
-        EventRow(1.0, kind.STATE_CHANGED, old=state.STAND_BY, new=state.GRIPPING),
-        EventRow(9.0, kind.STATE_CHANGED, old=state.STAND_BY, new=state.GRIPPING),
-        EventRow(10.0, kind.STATE_CHANGED, old=state.GRIPPING, new=state.GRIPPED),
-    )
-    found = read_story(replace(log((0.0, 6, -1, 0, 0, 0)), events=events)).grips
+    found = told((1.0, "STAND_BY>GRIPPING"), (9.0, "STAND_BY>GRIPPING"), (10.0, "GRIPPING>GRIPPED")).grips
     assert [(grip.start_s, grip.decided_s, grip.decision) for grip in found] == [
         (1.0, 9.0, GripDecision.STOPPED),
         (9.0, 10.0, GripDecision.GRIPPED),
@@ -363,12 +344,8 @@ def test_a_grip_whose_end_is_not_recorded_is_not_the_next_one():
 
 
 def test_a_recording_that_begins_in_a_grip_begins_with_it():
-    kind, state = EventKind, EndEffectorState
-    events = (
-        EventRow(0.5, kind.CONFIRMED, "bottom_vacuum", 1),
-        EventRow(2.0, kind.STATE_CHANGED, old=state.GRIPPING, new=state.GRIPPED),
-    )
-    (grip,) = read_story(replace(log((0.0, 1, 2, 1, 0, 0), (2.0, 3, -1, 2, 2, 2)), events=events)).grips
+    events = [(0.5, "confirmed bottom_vacuum 1"), (2.0, "GRIPPING>GRIPPED")]
+    (grip,) = read_story(log((0.0, 1, 2, 1, 0, 0), (2.0, 3, -1, 2, 2, 2), events=events)).grips
     assert (grip.start_s, grip.decided_s) == (0.0, 2.0)
 
 

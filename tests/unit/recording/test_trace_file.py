@@ -191,7 +191,6 @@ def test_viewers_get_schemas_that_they_understand(tmp_path: Path) -> None:
     writer.close()
     with writer.path.open("rb") as file:
         summary = make_reader(file).get_summary()
-    assert summary is not None
     topics = {channel.topic: summary.schemas[channel.schema_id] for channel in summary.channels.values()}
     assert {f"/hal/{kind}" for kind in ALL} == topics.keys()
     for schema in topics.values():

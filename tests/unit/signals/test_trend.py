@@ -1,4 +1,4 @@
-"""Where a noisy signal is going: falls are found in time, noise and steps are none."""
+"""Where a noisy signal is going, and a frame that nobody remembers."""
 
 from __future__ import annotations
 
@@ -8,6 +8,10 @@ from random import Random
 
 import pytest
 
+from end_effector_hal.codecs import carrier_of
+from end_effector_hal.description import load, profile_path
+from end_effector_hal.sensing import Readings
+from end_effector_hal.signals import Frame, PassingReadings
 from end_effector_hal.signals._trend import Trend
 
 PERIOD = 20_000
@@ -79,3 +83,19 @@ def test_after_a_gap_it_begins_anew() -> None:
 def test_rare_samples_make_the_window_longer() -> None:
     assert fed(lambda s: 80.0 - s, 5.0, period=1_000_000).falls is None
     assert fed(lambda s: 80.0 - s, 12.0, period=1_000_000).falls == pytest.approx(1.0)
+
+
+# A frame that nobody remembers is read as one that is taken.
+
+
+def test_an_invalid_value_refreshes_nothing_and_what_was_read_stays_until_it_is_stale() -> None:
+    description = load(profile_path())
+    readings = Readings(description, carrier_of(description))
+    readings.take(Frame(0, 0, 0, {"top": -60_000, "bottom": -50_000}))
+    for at in (20_000, 140_000, 150_000, 160_000):
+        frame = Frame(at, 1, 0, {"top": None, "bottom": -40_000})
+        passing = PassingReadings(readings, frame)
+        assert passing.get("top", at) == readings.get("top", at) == (-60_000 if at < 150_000 else None)
+        assert passing.fresh.get("top") == passing.get("top", at)
+        assert passing.arrived == {"bottom"}
+        assert passing.get("bottom", at) == -40_000
