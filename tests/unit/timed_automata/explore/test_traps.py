@@ -9,23 +9,51 @@ from tests.unit.timed_automata.explore.models import network
 from tests.unit.timed_automata.explore.sanity import sanity_check
 from timed_automata.explore import Explorer, RunTimeError, verify
 
+QUICK = "Q: {}: b | a -> b; do: n = 0 | b -> c"
+TRAPS: list[tuple[str, tuple[str, ...], dict[str, bool]]] = [
+    ("constants of the query enter the limits", ("clock x;", "P: a: x <= 7 | a -> a; guard: x >= 1; do: x = 0"),
+     {"E<> x > 6": True, "E<> x > 7": False, "E<> x > 1000": False}),
+    ("also where nothing else limits a clock", ("clock x;", "P: a -> a"), {"E<> x > 1000 && x < 1001": True}),
+    ("limits hold back to where a clock is set and no further",
+     ("clock x;", "P: b: x <= 3 | a -> b; do: x = 0 | b -> c | c -> d; guard: x >= 5 | d -> a"),
+     # x is asked for where the network has forgotten it
+     {"E<> P.d": True, "E<> P.b && x > 3": False, "A[] P.d imply x >= 5": True}),
+    # Each round takes 1 of y's 5, so the state after it lies inside the one before; there are five rounds at most.
+    ("inclusion would find cycles that are none",
+     ("clock x, y;", "P: a: y <= 5 | a -> a; guard: x >= 1; do: x = 0 | a -> done; guard: y == 5"),
+     {"A<> P.done": True, "E[] P.a": False}),
+    ("time is never refused without a reason", ("clock x;", "P: locations: a"),
+     {"E[] P.a": True, "A<> x >= 5": True, "A<> x < 0": False}),
+    ("a timelock at 3 is an end", ("clock x;", "P: locations: a | a: x <= 3"),
+     {"A<> x >= 5": False, "A<> x >= 3": True}),
+    ("receivers of a broadcast must join",
+     ("broadcast chan c; int[0,1] i;", "S: a -> b; sync: c!", "R: a -> b; sync: c?",
+      "Shut: a -> b; guard: i == 1; sync: c?"),
+     {"E<> S.b && R.a": False, "A[] S.b imply R.b && Shut.a": True}),
+    ("a broadcast without receivers is sent and a handshake waits",
+     ("broadcast chan all; chan one;", "A: a -> b; sync: all!", "B: a -> b; sync: one!"),
+     {"E<> A.b": True, "E<> B.b": False}),
+    ("no time in urgent locations", ("clock x;", "P: urgent: b | a -> b; do: x = 0 | b -> c"),
+     {"E<> P.b && x > 0": False, "E<> P.c && x > 0": True}),
+    ("no time in committed locations", ("clock x;", "P: committed: b | a -> b; do: x = 0 | b -> c"),
+     {"E<> P.b && x > 0": False, "E<> P.c && x > 0": True}),
+    ("only committed processes move", ("int[0,1] n;", QUICK.format("committed"), "O: a -> a; do: n = 1"),
+     {"E<> Q.b && n == 1": False}),
+    ("others move beside an urgent one", ("int[0,1] n;", QUICK.format("urgent"), "O: a -> a; do: n = 1"),
+     {"E<> Q.b && n == 1": True}),
+    ("an update out of range that no run reaches is none",
+     ("clock x; int[0,2] n;", "P: a: x <= 4 | a -> a; guard: x >= 5; do: n = n + 3 | a -> b; guard: x >= 2"),
+     {"A[] n == 0": True}),
+    ("a transition into a violated invariant is disabled",
+     ("clock x; int[0,1] n;", "P: b: x <= 1 | c: n == 1 | a -> b; guard: x >= 2 | a -> c; guard: x >= 2"),
+     {"A[] P.a": True, "A[] not deadlock": False}),
+]  # fmt: skip
 
-def test_constants_of_the_query_enter_the_limits() -> None:
-    explorer = Explorer(network("clock x;", "P: a: x <= 7 | a -> a; guard: x >= 1; do: x = 0"))
-    assert explorer.check("E<> x > 6").holds
-    assert not explorer.check("E<> x > 7").holds
-    assert not explorer.check("E<> x > 1000").holds
-    free = Explorer(network("clock x;", "P: a -> a"))
-    assert free.check("E<> x > 1000 && x < 1001").holds
 
-
-def test_limits_hold_back_to_where_a_clock_is_set_and_no_further() -> None:
-    explorer = Explorer(
-        network("clock x;", "P: b: x <= 3 | a -> b; do: x = 0 | b -> c | c -> d; guard: x >= 5 | d -> a")
-    )
-    assert explorer.check("E<> P.d").holds
-    assert not explorer.check("E<> P.b && x > 3").holds
-    assert explorer.check("A[] P.d imply x >= 5").holds  # x is asked for where the network has forgotten it
+@pytest.mark.parametrize(("model", "answers"), [each[1:] for each in TRAPS], ids=[each[0] for each in TRAPS])
+def test_trap(model: tuple[str, ...], answers: dict[str, bool]) -> None:
+    explorer = Explorer(network(*model))
+    assert {query: explorer.check(query).holds for query in answers} == answers
 
 
 def test_a_deadlock_that_only_the_coarser_widening_has() -> None:
@@ -41,15 +69,6 @@ def test_a_deadlock_that_only_the_coarser_widening_has() -> None:
     assert verdict.trace.end > 2
 
 
-def test_inclusion_would_find_cycles_that_are_none() -> None:
-    # Each round takes 1 of y's 5, so the state after it lies inside the one before; there are five rounds at most.
-    explorer = Explorer(
-        network("clock x, y;", "P: a: y <= 5 | a -> a; guard: x >= 1; do: x = 0 | a -> done; guard: y == 5")
-    )
-    assert explorer.check("A<> P.done").holds
-    assert not explorer.check("E[] P.a").holds
-
-
 def test_liveness_does_not_ask_time_to_diverge() -> None:
     explorer = Explorer(
         network("clock x; int[0,1] n;", "P: a: x <= 1 | a -> a; do: n = 1 - n | a -> b; guard: x == 1")
@@ -62,48 +81,6 @@ def test_liveness_does_not_ask_time_to_diverge() -> None:
     assert survey.timelock is None
     assert survey.zeno is not None
     assert not survey.diverges
-
-
-def test_staying_where_time_may_stop_but_need_not_pass_is_a_run() -> None:
-    lone = Explorer(network("clock x;", "P: locations: a"))
-    assert lone.check("E[] P.a").holds
-    assert lone.check("A<> x >= 5").holds  # time is never refused without a reason
-    assert not lone.check("A<> x < 0").holds
-    bounded = Explorer(network("clock x;", "P: locations: a | a: x <= 3"))
-    assert not bounded.check("A<> x >= 5").holds  # a timelock at 3
-    assert bounded.check("A<> x >= 3").holds
-
-
-def test_receivers_of_a_broadcast_must_join() -> None:
-    sender = "S: a -> b; sync: c!"
-    ready = "R: a -> b; sync: c?"
-    shut = "Shut: a -> b; guard: i == 1; sync: c?"
-    explorer = Explorer(network("broadcast chan c; int[0,1] i;", sender, ready, shut))
-    assert not explorer.check("E<> S.b && R.a").holds
-    assert explorer.check("A[] S.b imply R.b && Shut.a").holds
-
-
-def test_a_broadcast_without_receivers_is_sent_and_a_handshake_waits() -> None:
-    both = ["A: a -> b; sync: all!", "B: a -> b; sync: one!"]
-    explorer = Explorer(network("broadcast chan all; chan one;", *both))
-    assert explorer.check("E<> A.b").holds
-    assert not explorer.check("E<> B.b").holds
-
-
-@pytest.mark.parametrize("mark", ["urgent", "committed"])
-def test_no_time_in_urgent_and_committed_locations(mark: str) -> None:
-    template = f"P: {mark}: b | a -> b; do: x = 0 | b -> c"
-    explorer = Explorer(network("clock x;", template))
-    assert not explorer.check("E<> P.b && x > 0").holds
-    assert explorer.check("E<> P.c && x > 0").holds
-
-
-def test_only_committed_processes_move() -> None:
-    quick = "Q: committed: b | a -> b; do: n = 0 | b -> c"
-    other = "O: a -> a; do: n = 1"
-    assert not verify(network("int[0,1] n;", quick, other), "E<> Q.b && n == 1").holds
-    urgent = "Q: urgent: b | a -> b; do: n = 0 | b -> c"
-    assert verify(network("int[0,1] n;", urgent, other), "E<> Q.b && n == 1").holds
 
 
 def test_urgent_channels_stop_time_only_when_both_ends_are_ready() -> None:
@@ -130,11 +107,6 @@ def test_a_value_out_of_range_is_an_error_with_its_trace() -> None:
         assert error.value.trace.end == 6
     with pytest.raises(RunTimeError):
         sanity_check(explorer.network)
-
-
-def test_an_out_of_range_update_that_no_run_reaches_is_none() -> None:
-    counter = "P: a: x <= 4 | a -> a; guard: x >= 5; do: n = n + 3 | a -> b; guard: x >= 2"
-    assert verify(network("clock x; int[0,2] n;", counter), "A[] n == 0").holds
 
 
 def test_an_unconditional_update_out_of_range_is_found_though_no_time_passes() -> None:
@@ -172,13 +144,6 @@ def test_an_initial_state_outside_of_its_invariant_is_refused() -> None:
     template = "P: a: n == 1 | a -> a"
     with pytest.raises(ModelError, match="initial state"):
         verify(network("int[0,1] n;", template), "A[] true")
-
-
-def test_a_transition_into_a_violated_invariant_is_disabled() -> None:
-    template = "P: b: x <= 1 | c: n == 1 | a -> b; guard: x >= 2 | a -> c; guard: x >= 2"
-    explorer = Explorer(network("clock x; int[0,1] n;", template))
-    assert explorer.check("A[] P.a").holds
-    assert not explorer.check("A[] not deadlock").holds
 
 
 def test_clocks_set_to_other_values_than_zero() -> None:

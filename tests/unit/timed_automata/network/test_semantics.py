@@ -4,6 +4,7 @@ import pytest
 
 from end_effector_hal.errors import ModelError, RangeError
 from tests.unit.timed_automata.explore.models import load, names
+from tests.unit.timed_automata.explore.models import network as network_of
 from timed_automata import load_network
 from timed_automata.network import Semantics
 
@@ -31,15 +32,31 @@ def test_order_of_transitions_is_that_of_the_system_line_then_of_the_file():
     ]  # fmt: skip
 
 
-def test_binary_synchronisation_needs_two_processes():
-    network = load(f"""chan c; process P(const int[0, 1] i) {{ {IDLE} A -> B {{ sync c!; }}, A -> A {{ sync c?; }}; }}
-        system P;""")
-    assert names(network, Semantics(network).transitions(network.initial)) == [
-        "P(0).A>B + P(1).A>A",
-        "P(1).A>B + P(0).A>A",
-    ]
-    alone = load(f"chan c; process P() {{ {IDLE} A -> B {{ sync c!; }}, A -> A {{ sync c?; }}; }} system P;")
-    assert names(alone, Semantics(alone).transitions(alone.initial)) == []
+TRANSITIONS = [
+    ("binary synchronisation needs two processes",
+     ("chan c;", "P(const int[0, 1] i): A -> B; sync: c! | A -> A; sync: c?"),
+     ["P(0).A>B + P(1).A>A", "P(1).A>B + P(0).A>A"]),
+    ("a process does not synchronise with itself", ("chan c;", "P: A -> B; sync: c! | A -> A; sync: c?"), []),
+    ("a broadcast without receivers is sent all the same",
+     ("broadcast chan c;", "S: A -> B; sync: c! | B -> B; sync: c?", "R: A -> B; guard: false; sync: c?"), ["S.A>B"]),
+    ("receivers with several enabled edges choose one each",
+     ("broadcast chan c;", "S: A -> B; sync: c!", "R(const int[0, 1] i): A -> A; sync: c? | A -> B; sync: c?"),
+     [f"S.A>B + R(0).A>{first} + R(1).A>{second}" for first in "AB" for second in "AB"]),
+    ("two committed processes interleave", ("", "P(const int[0, 1] i): committed: A | A -> B"),
+     ["P(0).A>B", "P(1).A>B"]),
+    ("a channel is chosen only where the guard holds",
+     ("chan c[2]; int i = 2;", "S: A -> B; guard: i < 2; sync: c[i]! | A -> A; sync: c[0]!",
+      "R: A -> B; guard: i < 2; sync: c[i]? | A -> A; sync: c[0]?"),
+     ["S.A>A + R.A>A"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("model", "expected"), [each[1:] for each in TRANSITIONS], ids=[each[0] for each in TRANSITIONS]
+)
+def test_transitions_of_the_initial_state(model, expected):
+    made = network_of(*model)
+    assert names(made, Semantics(made).transitions(made.initial)) == expected
 
 
 def test_every_receiver_of_a_broadcast_with_an_enabled_edge_must_join():
@@ -51,20 +68,6 @@ def test_every_receiver_of_a_broadcast_with_an_enabled_edge_must_join():
     (transition,) = semantics.transitions(network.initial)
     assert names(network, [transition]) == ["S.A>B + R(1).A>B + R(2).A>B + R(3).A>B"]
     assert after(network, transition).state.locations == (1, 0, 1, 1, 1)
-
-
-def test_a_broadcast_without_receivers_is_sent_all_the_same():
-    network = load(f"""broadcast chan c; process S() {{ {IDLE} A -> B {{ sync c!; }}, B -> B {{ sync c?; }}; }}
-        process R() {{ {IDLE} A -> B {{ guard false; sync c?; }}; }} system S, R;""")
-    assert names(network, Semantics(network).transitions(network.initial)) == ["S.A>B"]
-
-
-def test_receivers_with_several_enabled_edges_choose_one_each():
-    network = load(f"""broadcast chan c; process S() {{ {IDLE} A -> B {{ sync c!; }}; }}
-        process R(const int[0, 1] i) {{ {IDLE} A -> A {{ sync c?; }}, A -> B {{ sync c?; }}; }} system S, R;""")
-    assert names(network, Semantics(network).transitions(network.initial)) == [
-        f"S.A>B + R(0).A>{first} + R(1).A>{second}" for first in "AB" for second in "AB"
-    ]
 
 
 def test_guards_are_evaluated_before_any_update():
@@ -95,13 +98,6 @@ def test_only_transitions_with_a_committed_participant_happen():
     assert names(network, semantics.transitions(network.initial)) == ["Q.A>B + P.A>B", "Q.A>A + P.A>B"]
     assert semantics.committed(network.initial)
     assert not semantics.may_delay(network.initial)
-
-
-def test_two_committed_processes_interleave():
-    network = load(
-        """process P(const int[0, 1] i) { state A, B; commit A; init A; trans A -> B { }; } system P;"""
-    )
-    assert names(network, Semantics(network).transitions(network.initial)) == ["P(0).A>B", "P(1).A>B"]
 
 
 def test_urgent_locations_stop_time_only():
@@ -140,13 +136,6 @@ def test_channels_chosen_at_run_time():
     ]
     (edge,) = network.processes[0].edges
     assert [network.channels[number].name for number in edge.channels] == ["c[0]", "c[1]", "c[2]"]
-
-
-def test_a_channel_is_chosen_only_where_the_guard_holds():
-    network = load(f"""chan c[2]; int i = 2;
-        process S() {{ {IDLE} A -> B {{ guard i < 2; sync c[i]!; }}, A -> A {{ sync c[0]! }}; }}
-        process R() {{ {IDLE} A -> B {{ guard i < 2; sync c[i]?; }}, A -> A {{ sync c[0]? }}; }} system S, R;""")
-    assert names(network, Semantics(network).transitions(network.initial)) == ["S.A>A + R.A>A"]
 
 
 def test_clock_guards_stay_symbolic_and_are_evaluated_in_the_state_before():
