@@ -13,8 +13,8 @@ from click.testing import CliRunner
 from end_effector_hal.control import load_automata
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.verification import mutation
-from end_effector_hal.verification.mutation import CHECKS, kept_record
-from end_effector_hal.verification.proof import requirements_of
+from end_effector_hal.verification.mutation import kept_record
+from end_effector_hal.verification.proof import CHECKS, requirements_of
 from tests.unit.timed_automata.explore.models import document
 from timed_automata import Network, Template, make_network, read_document
 from timed_automata.errors import ModelError, UsageError
