@@ -90,7 +90,7 @@ def _joined(this: Condition, parts: list[_Asked]) -> _Asked:
 
 
 def _read(this: Condition) -> _Asked:
-    channel = this.on or this.channel
+    channel = this.on or this.channel or ""
     if this.on is not None:
         return lambda readings, *_: None if (value := readings.fresh.get(channel)) is None else bool(value)
     low, high = this.span

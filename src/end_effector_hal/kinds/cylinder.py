@@ -66,7 +66,7 @@ class CylinderDetector:
         """Return the evidence after one more sample at ``at`` µs."""
         actuator, high, low, read = self._actuator, self._high, self._low, readings.fresh.get
         pressure = read(actuator.channel)
-        extended, retracted = read(actuator.extended_bit), read(actuator.retracted_bit)
+        extended, retracted = read(actuator.extended_bit or ""), read(actuator.retracted_bit or "")
         lacking = pressure is None and (
             actuator.channel in readings.carried or (extended is None and retracted is None)
         )

@@ -94,7 +94,7 @@ class Readings:
         self._heard: dict[str, int] = {}
         """Time of the last frame, by the numbers of several sources."""
         self.fresh: Mapping[str, int | bool] = {}
-        """The values at the time that is judged."""
+        """The values at the time that is judged; `look` finds them again before each sample."""
         self.last_frame = -self.down_us
         """Latest stamp of a frame, µs; before the first one it lies so far in the past that all sources are down."""
         self.arrived: frozenset[str] = frozenset()

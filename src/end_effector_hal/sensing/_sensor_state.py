@@ -240,9 +240,13 @@ class SensorState:
         self._levels, self.tool = tuple(levels), tool
         self._judge()
         self.nothing_gripped = self._release.sample(self.readings, self.evidence, at)
-        if self._stand is not None:  # in its stand, or absent (IL-02)
-            in_stand, present = map(self.readings.fresh.get, self._stand)
-            self.in_stand = in_stand is not None and (bool(in_stand) or present is False)
+        self.in_stand = self._stand is not None and self._is_in_stand(*self._stand)
+
+    def _is_in_stand(self, stand_bit: str, present_bit: str) -> bool:
+        """Return whether the tool is in its stand or absent (IL-02); False without a fresh reading."""
+        read = self.readings.fresh.get
+        in_stand = read(stand_bit)
+        return in_stand is not None and (bool(in_stand) or read(present_bit) is False)
 
     def _levels_for(self, part: int) -> tuple[Evidence, ...]:
         """Return the levels of a part's detectors, gone only where all detectors of the actuator say so."""

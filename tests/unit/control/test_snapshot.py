@@ -26,7 +26,7 @@ READ = TypeAdapter(ControllerSnapshot).validate_json
 PIECE_S = 0.13
 PLAIN = (bool, int, float, str, tuple, list, dict, frozenset, set, deque, type(None))
 CACHED = {
-    "_ends", "_due", "_seen", "_refused", "_down", "_outages", "_stale", "_notices", "_vacant",
+    "fresh", "_ends", "_due", "_seen", "_refused", "_down", "_outages", "_stale", "_notices", "_vacant",
     "_changer_fault", "_kept",
 }  # fmt: skip
 """What a status looks up once for an instant, or follows from what is remembered."""
