@@ -7,7 +7,7 @@ together.
 from ._address import MODBUS_SCHEMES, NetworkAddress, has_line, network_address, refused_fieldbus, right_form
 from ._content import content_hash, hash_of
 from ._fault import CODES, Fault, did_you_mean
-from ._paths import profile_names, profile_path, run_directory, tool_path
+from ._paths import SHIPPED_AUTOMATA, profile_names, profile_path, run_directory, tool_path
 from ._reference import markdown, schema, schema_path, schema_text
 from .devices._library import CONFIRMED, DeviceLibrary, LibraryDevice
 from .model._channels import (
@@ -45,6 +45,7 @@ __all__ = [
     "NUMBER",
     "QUANTITIES",
     "SAME_FOR_ALL_PARTS",
+    "SHIPPED_AUTOMATA",
     "Channel",
     "CodecChannels",
     "Description",

@@ -30,6 +30,8 @@ def own_directory(path: Path) -> Path:
 
 SHARED = Path("/tmp")
 PROFILES = Path(__file__).resolve().parent.parent / "profiles"
+SHIPPED_AUTOMATA = PROFILES / "end_effector.xml"
+"""The UPPAAL file of every tool that has none of its own."""
 
 
 def profile_path(name: str = "verdin_gripper") -> Path:

@@ -11,12 +11,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.cli.model._model import command
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, profile_path
 from end_effector_hal.recording import read_run, read_states
 from tests.unit.conftest import Whole
 
 SHIPPED = profile_path()
-AUTOMATA = SHIPPED.with_name("end_effector.xml")
+AUTOMATA = SHIPPED_AUTOMATA
 LAMP = """<nta><declaration>clock x; broadcast chan press, ring; const bool LOUD = true;</declaration>
 <template><name>Lamp</name><location id="a" x="0" y="0"><name>Off</name></location>
 <location id="b" x="100" y="0"><name>On</name><label kind="invariant">x &lt;= 9</label></location><init ref="a"/>

@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 from end_effector_hal.cli._main import eehal
 from end_effector_hal.cli._options import PathName, write_whole
 from end_effector_hal.cli.recorded import part_of
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.page.web import PageAddress
 from end_effector_hal.page.web._serve import _listen
@@ -126,8 +126,8 @@ def test_a_counterexample_replaces_its_own_files_and_no_recording() -> None:
 )
 @pytest.mark.parametrize("output", ["tool.yaml", "end_effector.xml", "link.txt"])
 def test_what_a_command_reads_is_not_replaced(command: tuple[str, ...], output: str) -> None:
-    for name in ("tool.yaml", "end_effector.xml"):
-        Path(name).write_bytes(profile_path().with_name(name.replace("tool", "end_effector")).read_bytes())
+    for name, path in (("tool.yaml", profile_path()), ("end_effector.xml", SHIPPED_AUTOMATA)):
+        Path(name).write_bytes(path.read_bytes())
     Path("link.txt").symlink_to("tool.yaml")
     before = Path(output).read_bytes()
     error = str(run(*command, "tool.yaml", "-o", output).exception)

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from end_effector_hal.cli._verify import command
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, profile_path
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import read_run
 from end_effector_hal.verification.proof import Proof, prove
@@ -235,7 +235,7 @@ def test_a_fourth_actuator_needs_no_bounds() -> None:
 def test_a_bound_that_is_too_small_fails_with_its_worst_case_and_its_figure() -> None:
     text = profile_path().read_text(encoding="utf-8")
     Path("tool.yaml").write_text(text.replace("release_s: 6.2", "release_s: 6.0"), encoding="utf-8")
-    Path("end_effector.xml").write_bytes(profile_path().with_name("end_effector.xml").read_bytes())
+    Path("end_effector.xml").write_bytes(SHIPPED_AUTOMATA.read_bytes())
     result = run("tool.yaml", "-o", "found")
     assert result.exit_code == 4
     assert "takes up to 6150 ms, 6000 ms are required" in result.stdout

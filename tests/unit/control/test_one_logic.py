@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description, load, profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, Description, load, profile_path
 from tests.support.virtual_tool import VirtualTool
 
 Edit = Callable[[str], str]
@@ -17,11 +17,11 @@ Edit = Callable[[str], str]
 @pytest.fixture
 def edited(tmp_path: Path) -> Callable[..., Description]:
     def make(yaml: Edit = str, xml: Edit = str) -> Description:
-        for name, edit in (("end_effector.yaml", yaml), ("end_effector.xml", xml)):
-            text = profile_path().with_name(name).read_text()
+        for path, edit in ((profile_path(), yaml), (SHIPPED_AUTOMATA, xml)):
+            text = path.read_text()
             changed = edit(text)
             assert edit is str or changed != text
-            (tmp_path / name).write_text(changed)
+            (tmp_path / path.name).write_text(changed)
         return load(tmp_path / "end_effector.yaml")
 
     return make

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import Description, content_hash, profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, Description, content_hash, profile_path
 from end_effector_hal.description import load as load_description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import Recording, read_pressures, read_run, read_states, run_info
@@ -85,10 +85,10 @@ def test_the_hash_is_of_the_tool_and_not_of_its_place(verdin: Description, tmp_p
     ):
         folder = tmp_path / name
         folder.mkdir()
-        for each in ("end_effector.xml", "end_effector.yaml"):
-            text = profile_path().with_name(each).read_text()
-            assert each != name or old in text
-            (folder / each).write_text(text.replace(old, new) if each == name else text)
+        for path in (SHIPPED_AUTOMATA, profile_path()):
+            text = path.read_text()
+            assert path.name != name or old in text
+            (folder / path.name).write_text(text.replace(old, new) if path.name == name else text)
         assert content_hash(load_description(folder / "end_effector.yaml")) != content_hash(verdin)
 
 

@@ -9,6 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from end_effector_hal.description import (
+    SHIPPED_AUTOMATA,
     Description,
     _paths,
     camel_case,
@@ -124,7 +125,7 @@ def test_a_description_made_in_code_has_no_file() -> None:
 def test_automata_beside_the_description_else_the_shipped(
     loaded: Callable[..., Description], tmp_path: Path
 ) -> None:
-    shipped = profile_path().with_name("end_effector.xml")
+    shipped = SHIPPED_AUTOMATA
     assert loaded().automata_path == shipped
     assert load(profile_path()).automata_path == shipped
     beside = tmp_path / "end_effector.xml"

@@ -7,7 +7,7 @@ import re
 import pytest
 from matplotlib.patches import Circle, PathPatch, Polygon
 
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA
 from end_effector_hal.errors import UsageError
 from end_effector_lab.figures import draw_template, save
 from end_effector_lab.figures._automaton_layout import HEAD, RADIUS, arrow_between, layout_of
@@ -15,7 +15,7 @@ from tests.unit.figures.figure_facts import texts
 from tests.unit.figures.layout_faults import layout_faults
 from timed_automata import load_document, read_document
 
-SHIPPED = load_document(profile_path().with_name("end_effector.xml"))
+SHIPPED = load_document(SHIPPED_AUTOMATA)
 BY_NAME = {template.name.content: template for template in SHIPPED.templates}
 
 LAMP = """<nta><template><name>Lamp</name><parameter>const int[0,1] id, int &amp;v</parameter>

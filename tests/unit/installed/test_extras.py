@@ -20,7 +20,7 @@ from end_effector_hal.cli.doctor import _machine
 from end_effector_hal.cli.doctor._check_result import Level
 from end_effector_hal.codecs import _registry as codecs
 from end_effector_hal.codecs import load_tool
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, profile_path
 from end_effector_hal.errors import DescriptionError, UsageError
 from end_effector_hal.kinds import _registry as kinds
 from end_effector_lab.processes import EEHAL
@@ -84,8 +84,8 @@ def test_a_command_of_the_workshop_says_what_to_install(name: str) -> None:
 def test_an_option_of_the_workshop_is_hidden_and_says_what_to_install(
     words: tuple[str, ...], option: str, tmp_path: Path
 ) -> None:
-    for name in ("end_effector.yaml", "end_effector.xml"):
-        shutil.copy(profile_path().with_name(name), tmp_path)
+    for path in (profile_path(), SHIPPED_AUTOMATA):
+        shutil.copy(path, tmp_path)
     (tmp_path / "end_effector.yaml").rename(tmp_path / "tool.yaml")
     listed = {"run": "Without hardware: virtual lines", "verify": "Prove DESCRIPTION with each"}[words[0]]
     assert listed in eehal_without([], words[0], "--help").stdout
@@ -168,7 +168,7 @@ def test_virtual_time_needs_no_modbus_for_a_tool_without_a_bus(tmp_path: Path) -
 def test_a_modbus_codec(tmp_path: Path) -> None:
     text = profile_path().read_text(encoding="utf-8").replace("codec: ees1-ascii", "codec: modbus-rtu-epick")
     (tmp_path / "tool.yaml").write_text(text, encoding="utf-8")
-    shutil.copy(profile_path().with_name("end_effector.xml"), tmp_path)
+    shutil.copy(SHIPPED_AUTOMATA, tmp_path)
     done = eehal_without(["pymodbus"], "check", "tool.yaml", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     line, *_ = done.stderr.splitlines()

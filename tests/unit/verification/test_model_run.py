@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA
 from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import GripDecision, read_story
 from end_effector_hal.verification import has_states, states_of
@@ -20,7 +20,7 @@ NAMES = ("bottom_vacuum", "cylinder", "top_vacuum")
 
 @pytest.fixture(scope="module")
 def shipped():
-    return load_network(profile_path().with_name("end_effector.xml"))
+    return load_network(SHIPPED_AUTOMATA)
 
 
 def played(network, choices):

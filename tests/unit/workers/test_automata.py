@@ -7,14 +7,14 @@ import shutil
 from pathlib import Path
 
 from end_effector_hal.control import network_of
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, load, profile_path
 from end_effector_lab.workers import ShippedAutomata
 
 
 def test_a_machine_without_the_file_gets_it(tmp_path: Path) -> None:
     tool, own = tmp_path / "end_effector.yaml", tmp_path / "end_effector.xml"
     shutil.copy(profile_path(), tool)
-    text = profile_path().with_name("end_effector.xml").read_text().replace("</nta>", "<!-- mine --></nta>")
+    text = SHIPPED_AUTOMATA.read_text().replace("</nta>", "<!-- mine --></nta>")
     own.write_text(text)
     description = load(tool)
     sent = pickle.dumps((description, ShippedAutomata.read(description)))

@@ -15,7 +15,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, PydanticKnownError, c
 
 from end_effector_hal.description._address import loopback, network_address
 from end_effector_hal.description._fault import Place, Places, UsedDevice
-from end_effector_hal.description._paths import profile_path, run_directory
+from end_effector_hal.description._paths import SHIPPED_AUTOMATA, run_directory
 from end_effector_hal.errors import UsageError
 from end_effector_hal.kinds import get_kind, kind_names, kind_of, usable_kinds
 from end_effector_hal.kinds.stanza import (
@@ -396,9 +396,7 @@ class Description(BaseStanza):
         """
         beside = self.source.parent / self.automata.file
         named = "file" in self.automata.model_fields_set
-        return (
-            beside.absolute() if named or beside.is_file() else profile_path().with_name("end_effector.xml")
-        )
+        return beside.absolute() if named or beside.is_file() else SHIPPED_AUTOMATA
 
     @property
     def files(self) -> tuple[Path, ...]:

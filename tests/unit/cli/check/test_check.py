@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from end_effector_hal.cli import _check
 from end_effector_hal.cli._completion import schema
-from end_effector_hal.description import load, markdown, profile_path, schema_text
+from end_effector_hal.description import SHIPPED_AUTOMATA, load, markdown, schema_text
 from tests.unit.cli.check.conftest import NIBBLE, NO_E_STOP, SHIPPED, TRANSMITTERS, Check, sentences
 
 
@@ -27,7 +27,7 @@ def test_a_valid_description_is_told_in_short(check: Check) -> None:
         "changer SODIMM_206, X20 pin 27; locked or unlocked within 2 s; unlock at most 3 s",
         "lines gpiod",
         "link /dev/verdin-uart1, ees1-ascii, 115200 baud",
-        f"automata {profile_path().with_name('end_effector.xml')}",
+        f"automata {SHIPPED_AUTOMATA}",
         f"not fitted {NO_E_STOP}",
     ]
 
@@ -206,7 +206,7 @@ def test_each_wire_of_an_output_is_in_the_table() -> None:
     ids=["cut off", "unknown name", "unknown element"],
 )
 def test_broken_automata_are_found(check: Check, tmp_path: Path, old: str, new: str) -> None:
-    text = profile_path().with_name("end_effector.xml").read_text(encoding="utf-8")
+    text = SHIPPED_AUTOMATA.read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "end_effector.xml").write_text(text.replace(old, new, 1), encoding="utf-8")
     result = check()
@@ -221,7 +221,7 @@ def test_broken_automata_are_found(check: Check, tmp_path: Path, old: str, new: 
 
 
 def test_automata_without_a_constant_of_the_description(check: Check, tmp_path: Path) -> None:
-    text = profile_path().with_name("end_effector.xml").read_text(encoding="utf-8")
+    text = SHIPPED_AUTOMATA.read_text(encoding="utf-8")
     own = tmp_path / "end_effector.xml"
     own.write_text(text.replace("ATTEMPTS", "TRIES"), encoding="utf-8")
     result = check()

@@ -7,14 +7,14 @@ from xml.sax.saxutils import escape
 
 import pytest
 
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA
 from end_effector_hal.errors import UsageError
 from tests.support.nightly import first_of
 from tests.unit.timed_automata.explore.models import network
 from timed_automata import export, load_document, load_network, make_network, read_document
 from timed_automata.check import channel_ends, find_faults
 
-SHIPPED = profile_path().with_name("end_effector.xml")
+SHIPPED = SHIPPED_AUTOMATA
 
 MODEL = """<nta>
 <declaration>clock x; int v; const int K = 2; broadcast chan c;</declaration>
@@ -166,7 +166,7 @@ def test_many_edges_that_may_use_any_of_many_channels_take_little_memory():
 
 
 def test_every_channel_of_the_shipped_model_has_both_ends():
-    ends = channel_ends(load_network(profile_path().with_name("end_effector.xml")))
+    ends = channel_ends(load_network(SHIPPED_AUTOMATA))
     assert [each.name for each in ends if each.unsent or each.unreceived] == []
     names = [each.name for each in ends]
     assert names[:3] == ["confirmed[3]", "partial[3]", "gone[3]"]

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA
 from tests.support.nightly import PHASES, examples
 from tests.unit.timed_automata.explore.models import document
 from tests.unit.timed_automata.explore.random_networks import Condition, conditions, networks
@@ -177,7 +177,7 @@ CUPS = ("cups", "rod", "cap")
 
 @pytest.fixture(scope="module")
 def shipped() -> Names:
-    network = load_network(profile_path().with_name("end_effector.xml"))
+    network = load_network(SHIPPED_AUTOMATA)
     return Names(network, CUPS, "actuator", ("cause_at",))
 
 

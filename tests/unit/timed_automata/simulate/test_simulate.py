@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA
 from end_effector_hal.errors import ModelError, RangeError, UsageError
 from tests.support.nightly import examples, first_of
 from tests.unit.timed_automata.explore.models import network
@@ -46,7 +46,7 @@ def times(run):
 
 @pytest.fixture(scope="module")
 def shipped():
-    return load_network(profile_path().with_name("end_effector.xml"))
+    return load_network(SHIPPED_AUTOMATA)
 
 
 # By chance ---------------------------------------------------------------------------------------------------
