@@ -169,8 +169,10 @@ def test_a_write_in_two_parts_is_sent_first_and_answered_later(bench):
             client.ask({UNLOCK: True})()
         client.ask({BOTTOM: False})()
         wait_until("it", lambda: client.levels()[BOTTOM] is False)
-        with pytest.raises(AttributeError):
-            client.ask({BOTTOM: True}, ["no step"])
+        with pytest.raises(UsageError):
+            client.ask({BOTTOM: True}, ["no step"])()
+        with pytest.raises(TypeError):
+            client.ask({BOTTOM: True}, [object()])
         assert client.levels()[BOTTOM] is False, "the client goes on"
 
 
