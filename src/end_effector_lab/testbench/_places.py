@@ -70,8 +70,9 @@ def open_inputs(
     if power_cycle:
         raise UsageError("only virtual lines can be power-cycled.")
     if kind == "gpiod":
-        wrong = f"--lines {text} does not name each line once."
-        named = _pairs(rest, lines, wrong, "gpiod:", "NAME") if rest else {line: line for line in lines}
+        named = (
+            _pairs(rest, lines, f"--lines {text}", "line=NAME") if rest else {line: line for line in lines}
+        )
         return GpioInputs(named, text)
     if text == "gpio-sim":
         return GpioSimInputs(lines)
@@ -138,7 +139,7 @@ def _port_texts(text: str | None, links: list[str]) -> dict[str, str]:
         return {}
     if len(links) == 1:
         return {links[0]: text}
-    return _pairs(text, links, f"--port {text} does not name each link once.", "", "PORT")
+    return _pairs(text, links, f"--port {text}", "link=PORT")
 
 
 def _port(text: str | None, description: Description, name: str, lines: str | None) -> Port:
@@ -166,12 +167,14 @@ def lines_of(description: Description) -> list[str]:
     return [line for line in lines if line not in description.register_outputs]
 
 
-def _pairs(text: str, names: list[str], what: str, prefix: str, wanted: str) -> dict[str, str]:
+def _pairs(text: str, names: list[str], option: str, form: str) -> dict[str, str]:
     """Return what ``NAME=VALUE,...`` gives to each of the names; raises UsageError."""
     pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
     if set(pairs) != set(names) or not all(pairs.values()):
-        expected = ",".join(f"{name}={wanted}" for name in names)
-        raise UsageError(what, todo=f"Expected: {prefix}{expected}.")
+        noun, _, value = form.partition("=")
+        kind = "gpiod:" if "gpiod:" in option else ""
+        expected = kind + ",".join(f"{name}={value}" for name in names)
+        raise UsageError(f"{option} does not name each {noun} once.", todo=f"Expected: {expected}.")
     return pairs
 
 

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, closing, contextmanager, nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -17,7 +17,7 @@ from typing import Any
 
 from end_effector_hal.cli import json_text
 from end_effector_hal.description import Description
-from end_effector_hal.errors import ReportedError, UsageError, os_errors
+from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.signals import Value
 from end_effector_hal.wires import PipedLines
 from end_effector_hal.wires.lines import Edge
@@ -247,20 +247,26 @@ class TextFile:
 
     def __init__(self, path: str | Path) -> None:
         self._path = path
-        with self._errors():
+        try:
             self._file = Path(path).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 close() ends it
+        except OSError as error:
+            raise self._error(error) from error
 
     def write(self, line: str) -> None:
         """Write a line; raises UsageError if the disk is full."""
-        with self._errors():
+        try:
             self._file.write(line + "\n")
+        except OSError as error:
+            raise self._error(error) from error
 
     def close(self) -> None:
         with suppress(OSError):  # said already
             self._file.close()
 
-    def _errors(self) -> AbstractContextManager[None]:
-        return os_errors("it cannot be written", self._path, todo="Give another path.")
+    def _error(self, error: OSError) -> UsageError:
+        return UsageError(
+            f"it cannot be written: {error.strerror}.", where=str(self._path), todo="Give another path."
+        )
 
 
 class Events(TextFile):

@@ -195,7 +195,7 @@ def test_follows_its_regulator() -> None:
     supply = Supply(600.0)
     supply.advance(1_000_000)
     assert supply.kpa == 600.0
-    supply.regulated_kpa = 380.0
+    supply.regulate(380.0)
     supply.advance(2_000_000)
     assert supply.kpa == pytest.approx(380.0, abs=0.01)
 

@@ -56,7 +56,7 @@ def disturb(plant: Any, name: str, what: str, much: float, at: int) -> None:
         case "lose":
             one.lose(at)
         case "supply":
-            plant.supply.regulated_kpa = 150 + much * 450
+            plant.supply.regulate(150 + much * 450)
         case "leak" if name != "cylinder":
             one.leak(much * 20)
         case "grow" if name != "cylinder":

@@ -26,6 +26,7 @@ from end_effector_lab.trials import (
     read_failures,
     run_campaign,
 )
+from end_effector_lab.trials._campaign import KeptRun
 from end_effector_lab.workers import LocalWorkers
 from tests.support.places import ROOT
 from tests.unit.trials.mutants import MUTANTS
@@ -151,7 +152,8 @@ def test_cases_are_drawn_from_what_was_kept() -> None:
     assert not campaign.may_draw(17)
     before = campaign.draw(16, source)
     for run in range(64):
-        campaign.add(({} if run else line) | {"run": run, "grips": 1, "s": 1.0}, SHIPPED)
+        found = ({} if run else line) | {"run": run, "grips": 1, "s": 1.0}
+        campaign.add(KeptRun.model_validate(found), SHIPPED)
     assert campaign.draw(16, source) == before  # it is drawn from what was there for it
     drawn = [campaign.draw(run, source) for run in range(17, 80)]
     assert sum(any(each.what == "kill hal" for each in case.happenings) for case in drawn) > 15

@@ -28,7 +28,7 @@ class Devices:
     """The devices of the only bus; they obey a write and their answer is lost, or they do not hear it at all."""
 
     def __init__(self, tool: VirtualTool) -> None:
-        (devices,) = tool._buses.devices.values()
+        (devices,) = tool._boards.values()
         self.silent = self.deaf = False
         self._answer = devices.answer
         devices.answer = self.answer  # type: ignore[method-assign]

@@ -35,6 +35,9 @@ class Supply(Model):
         self.draw_kpa = 0.0
         self.kpa = regulated_kpa
 
+    def regulate(self, kpa: float) -> None:
+        self.regulated_kpa = kpa
+
     @property
     def settled(self) -> bool:
         return abs(self._target() - self.kpa) < CLOSE_KPA
