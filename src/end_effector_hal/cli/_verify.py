@@ -20,7 +20,7 @@ from ._options import drawing_option
 from ._output import Progress, print_document
 
 if TYPE_CHECKING:
-    from end_effector_hal.description import Description, content_hash
+    from end_effector_hal.description import Description
     from end_effector_hal.verification.proof import Finding, Proof
 
 _FAILED = 4
@@ -111,7 +111,7 @@ def command(
     With -o DIR a table and JSON are written there. The exit code is 4 when no combination holds. No verdict is
     kept.
     """
-    from end_effector_hal.description import profile_path
+    from end_effector_hal.description import content_hash, profile_path
     from end_effector_hal.recording import check_replaceable
     from end_effector_hal.verification.lemmas import prove_tool
     from end_effector_hal.verification.proof import prove

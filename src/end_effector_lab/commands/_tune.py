@@ -15,7 +15,7 @@ from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import display_name
 
 if TYPE_CHECKING:
-    from end_effector_hal.description import Description, content_hash
+    from end_effector_hal.description import Description
     from end_effector_hal.page.recorded import RecordedTables, RecordingFiles
     from end_effector_lab.recorded import GripCollector, Tried, Tuning
 
@@ -85,6 +85,7 @@ class _Read:
 
 def _read(paths: tuple[Path, ...], description: Path | None, progress: Progress) -> _Read:
     from end_effector_hal.codecs import load_tool
+    from end_effector_hal.description import content_hash
     from end_effector_lab.recorded import GripCollector
 
     today = load_tool(description) if description is not None else None

@@ -39,6 +39,7 @@ CALLS: dict[str, tuple[str, ...]] = {
     "model show": ("--model", "lamp.xml"),
     "model simulate": ("--steps", "30"),
     "plot": ("nothing",),
+    "plugin list": (),
     "reload": (str(profile_path()),),
     "replay": ("nothing",),
     "reset": (str(profile_path()),),

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from end_effector_hal.cli.model._check import fig5
-from end_effector_hal.description import profile_path
+from end_effector_hal.description import SHIPPED_AUTOMATA, profile_path
 
 pytestmark = pytest.mark.timeout(300)
 
@@ -25,7 +25,7 @@ def tool(folder: Path, old: str, new: str) -> str:
     assert old in text
     path = folder / "end_effector.yaml"
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
-    path.with_suffix(".xml").write_bytes(profile_path().with_suffix(".xml").read_bytes())
+    path.with_suffix(".xml").write_bytes(SHIPPED_AUTOMATA.read_bytes())
     return str(path)
 
 
