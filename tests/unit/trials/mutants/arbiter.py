@@ -20,7 +20,9 @@ from .wrong_product import WrongProduct
 
 def _death_is_not_noticed(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(
-        LineArbiter, "declare_dead", lambda arbiter, session, _, at: arbiter._end_session(session, (), at)
+        LineArbiter,
+        "declare_dead",
+        lambda arbiter, session, why, at: arbiter._end_session(session, (), why, at),
     )
 
 
@@ -34,13 +36,12 @@ def _latch_is_forgotten(patch: pytest.MonkeyPatch) -> None:
 
 
 def _stale_proof_is_believed(patch: pytest.MonkeyPatch) -> None:
-    real = SensorPredicates.objection
+    real = SensorPredicates.__init__
 
-    def objection(predicates: SensorPredicates, need: Any, at: int) -> str:
-        proof = predicates.proofs.get(need.predicate)
-        return "" if proof and proof.holds else real(predicates, need, at)
+    def begins(predicates: Any, needs: Any, valid_us: int, *more: Any) -> None:
+        real(predicates, needs, 1 << 62, *more)
 
-    patch.setattr(SensorPredicates, "objection", objection)
+    patch.setattr(SensorPredicates, "__init__", begins)
 
 
 def _last_will_is_forgotten(patch: pytest.MonkeyPatch) -> None:
@@ -58,8 +59,8 @@ def _bye_holds(patch: pytest.MonkeyPatch) -> None:
 def _last_will_at_once(patch: pytest.MonkeyPatch) -> None:
     real = LineArbiter._end_session
 
-    def ends(arbiter: LineArbiter, session: Session, will: Any, at: int) -> None:
-        real(arbiter, session, tuple(step._replace(after_us=0) for step in will), at)
+    def ends(arbiter: LineArbiter, session: Session, will: Any, why: str, at: int) -> None:
+        real(arbiter, session, tuple(step._replace(after_us=0) for step in will), why, at)
 
     patch.setattr(LineArbiter, "_end_session", ends)
 
@@ -198,7 +199,7 @@ ARBITER: Mapping[str, WrongProduct] = {
         cell="locked-shows:tool_changer:0 @ grip bottom_vacuum on + none",
     ),
     "a proof that never expires": WrongProduct(
-        _stale_proof_is_believed, "arbiter/rules/_predicates.py: SensorPredicates.objection",
+        _stale_proof_is_believed, "arbiter/rules/_predicates.py: SensorPredicates.__init__",
         "grip; wait 0.2; scenario silent-after:0", "activation",
     ),
     "a latch that is forgotten at a restart": WrongProduct(

@@ -259,7 +259,7 @@ CONTROLLER: Mapping[str, WrongProduct] = {
         "grip; wait 2; scenario shows:top_vacuum:-30; wait 0.5; scenario nominal", "evidence",
     ),
     "automata that leave out the last step of a drop": WrongProduct(
-        _edited(b"asked = true, k = next_engaged()</label>", b"asked = true, k = next_engaged() + 1</label>"),
+        _edited(b"t = 0, k = next_engaged()</label>", b"t = 0, k = next_engaged() + 1</label>"),
         "the UPPAAL file: Gripped → Unwind", "", "order",
         cell="nominal @ release top_vacuum off, between + kill hal",
     ),
