@@ -307,10 +307,10 @@ class Controller:
         return self._advance(max(at, self._at))[0]
 
     def foresee(self) -> Iterator[Foreseen | None]:
-        """Work out what each possible next input leads to, one per item; the state does not change.
+        """Compute what each possible next input leads to, one input per item; the state does not change.
 
-        None: that input leads to nothing, or it is a time-out. The caller stops the iteration when `discrete_state`
-        changes.
+        An item is None if its input leads to nothing, or is a time-out. The caller stops the iteration when
+        `discrete_state` changes.
         """
         takes, execution = self._execution.inputs, self._execution
         commands = [self._event(name, "") for name in COMMANDS]

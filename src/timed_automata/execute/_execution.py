@@ -205,9 +205,9 @@ class Execution:
     def foresee(self, event: Event | None) -> Foresight | None:
         """Return what an event would lead to, if it came before anything else; the state does not change.
 
-        What is worked out here is not computed again when the event comes. With None, the next thing that time brings
-        is worked out. The result is None if no edge would receive the event, something is due now, or the model does
-        not allow what follows.
+        The result is kept: it is not computed again when the event comes. Without an event the next time-out is
+        computed. None is returned if no edge would receive the event, if something is due now, or if the model does not
+        allow what follows.
 
         Raises:
             UsageError: no such input, or a variable that is not in the interface or out of range.

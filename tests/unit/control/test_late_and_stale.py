@@ -180,7 +180,7 @@ def test_an_input_at_the_microsecond_in_which_a_reading_turns_stale(
     told = INPUTS[name](tool.controller, stale_at)
     assert told[-1].evidence[0] is Evidence.UNKNOWN
     again = INPUTS[name](tool.controller, stale_at)
-    assert [status for status in again if name != "an acknowledgement"] == [], "it is told once"
+    assert [status for status in again if name != "an acknowledgement"] == [], "it is published once"
 
 
 def test_a_frame_that_came_before_and_is_taken_after(description: Description) -> None:

@@ -182,7 +182,7 @@ class Tool:
             self.idle()
 
     def lose(self) -> None:
-        """The line arbiter goes away, and the program is told."""
+        """The line arbiter goes away, and the program hears of it."""
         self.lines.away = True
         self.program.arbiter_lost(ArbiterError("the line arbiter is away."))
 

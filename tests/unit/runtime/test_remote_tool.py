@@ -260,11 +260,11 @@ def test_a_tool_that_is_ready_grips_also_after_the_link_was_silent(tool: Virtual
     assert seen == {False, "partial", True}
 
 
-# A notice about a listener is told with the status that was published last.
+# The status that was published last is published again with a notice about a listener.
 
 
 def test_a_notice_repeats_no_event_and_does_not_anticipate_what_is_published_next() -> None:
-    """The program is further, and its states are told in their order: not the last one first."""
+    """The program has gone on; its states are published in their order, not the last one first."""
     told: list[Status] = []
     began = ToolEvent(1_000, EventKind.STATE_CHANGED, old=0, new=6)
     standing = replace(Tool().program.status, at=1_000, ee=EndEffectorState.STAND_BY, events=(began,))

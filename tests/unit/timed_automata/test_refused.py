@@ -8,7 +8,7 @@ from end_effector_hal.errors import ModelError
 from tests.unit.timed_automata.explore.models import load, pointed
 from timed_automata import load_network, make_network, read_document
 
-# Every mistake is told at its place, with what is wrong and what is likely meant.
+# Each mistake is reported at its place, with what is wrong and what is likely meant.
 
 
 # declarations, labels of an edge, what is said, what the place points at

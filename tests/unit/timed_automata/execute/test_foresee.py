@@ -1,4 +1,4 @@
-"""What is worked out beforehand: nothing that happens later is otherwise, and it is not computed again."""
+"""What an event would lead to is worked out ahead: it is what happens later, and it is not computed again."""
 
 from random import Random
 

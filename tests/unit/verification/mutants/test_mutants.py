@@ -1,4 +1,4 @@
-"""Each mutant of the shipped automata is found out by a requirement that is named beforehand."""
+"""The requirement that a list names notices each mutant of the shipped automata."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_there_are_enough_and_each_is_another():
     assert len({mutant["name"] for mutant in MUTANTS}) == len(MUTANTS)
 
 
-# Each mutant of the network of two coils is found out by a requirement that is named beforehand.
+# The requirement that a list names notices each mutant of the network of two coils.
 
 
 TWO_COILS: list[Mutant] = tomllib.loads(
