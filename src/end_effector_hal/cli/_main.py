@@ -44,7 +44,7 @@ _COMMANDS: dict[str, dict[str, str]] = {
         "listen": "what arrives on each channel, live; thresholds from a recording",
         "tune": "",
         "testbench": "",
-        "export": "a tool for other programs: a xacro, an SROS 2 policy, a layout for Foxglove",
+        "export": "a tool for other programs: a xacro, an SROS 2 policy",
         "plugin": "codecs, kinds and commands of your own in this environment",
         "completion": "shell completion of commands and values",
     },
