@@ -14,13 +14,11 @@ from end_effector_hal._extras import missing_extra
 from end_effector_hal.errors import MissingExtraError, UsageError
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint, EntryPoints
+    from importlib.metadata import EntryPoints
 
 FOLDER = Path(sys.prefix) / "plugins"
 """What `eehal plugin add` has put into this environment, a folder for each."""
 LONGEST = 200
-LOAD_S = 15.0
-"""Longest time for the import of another distribution's plug-in, s."""
 Plugin = TypeVar("Plugin")
 
 
@@ -55,7 +53,6 @@ class Plugins(Generic[Plugin]):
     ) -> None:
         self._group, self._noun, self._own, self._check, self._make = group, noun, dict(own), check, make
         self._made: dict[str, Plugin] = {}
-        self._begun: dict[str, list[Any]] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -81,7 +78,7 @@ class Plugins(Generic[Plugin]):
             try:
                 # loaded once: a program that restarts needs it again
                 if (known := f"{name}={entry.value}") not in self._made:
-                    self._made[known] = self._check(self._load(known, entry))
+                    self._made[known] = self._check(self._wanted(entry.load()))
                 return self._made[known]
             except UsageError as error:
                 what = f"the {self._noun} {name}: {error.what}"
@@ -97,31 +94,6 @@ class Plugins(Generic[Plugin]):
         raise UsageError(
             f"there is no {self._noun} {name!r}.", todo=f"{hint}There are: {', '.join(self.names)}."
         )
-
-    def _load(self, known: str, entry: EntryPoint) -> Any:
-        """Return the object that an entry point names.
-
-        A foreign one is imported in a thread, which is abandoned if the import does not end.
-        """
-
-        def load() -> None:
-            try:
-                done.append(self._wanted(entry.load()))
-            except BaseException as error:  # noqa: BLE001 it is raised where the plug-in is wanted
-                done.append(error)
-
-        if entry.value.startswith(("end_effector_hal.", "end_effector_lab.")):
-            return self._wanted(entry.load())
-        if (done := self._begun.get(known, [])) or known not in self._begun:
-            done = self._begun[known] = []
-            (thread := threading.Thread(target=load, daemon=True)).start()
-            thread.join(LOAD_S)
-        if not done:
-            todo = "Repair or remove the distribution that provides it."
-            raise UsageError(f"its import did not end within {LOAD_S:g} s.", todo=todo)
-        if isinstance(done[0], BaseException):
-            raise done[0]
-        return done[0]
 
     def _missing_extra(self, name: str, error: BaseException) -> MissingExtraError | None:
         if isinstance(error, ModuleNotFoundError):

@@ -5,7 +5,7 @@ group ``end_effector_hal.codecs``, and a test that inherits `CodecConformance` o
 `end_effector_hal.codecs.conformance`. Modbus devices need no class: see `end_effector_hal.codecs.modbus`.
 """
 
-from ._answers import Counters, counters_of, frame_fault, weight
+from ._answers import Counters, counters_of, frame_fault
 from ._carrier import (
     FrameSource,
     board_inputs,
@@ -71,5 +71,4 @@ __all__ = [
     "sequence_of",
     "shows_noise",
     "sources_of",
-    "weight",
 ]

@@ -1,9 +1,8 @@
-"""Checks of the results of a codec, which may be third-party code: frames, counters, and memory."""
+"""Checks of the results of a codec, which may be third-party code: frames and counters."""
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from end_effector_hal.codecs._codec import Decoder
@@ -50,8 +49,6 @@ def counters_of(decoder: Decoder) -> Counters | None:
 
 HIGHEST_PA = 2**31 - 1
 HIGHEST_CLOCK = 2**63 - 1
-_BYTES = (bytes, bytearray, str)
-_MANY = (list, tuple, set, frozenset, deque)
 
 
 def frame_fault(frame: object, kinds: Mapping[str, Kind], last: int, now: int) -> str:
@@ -84,36 +81,6 @@ def frame_fault(frame: object, kinds: Mapping[str, Kind], last: int, now: int) -
         if kind is Kind.CODE and (type(value) is not int or abs(value) > HIGHEST_PA):
             return f"a frame whose code {channel} is no whole number"
     return ""
-
-
-def weight(decoder: object, codec: object = None) -> int:
-    """Return the number of bytes and elements that a decoder and its objects keep, without those of its codec."""
-    return sum(map(_weight, _parts(decoder, {id(codec), id(decoder)}, depth=3)))
-
-
-def _parts(owner: object, seen: set[int], depth: int) -> Iterator[object]:
-    names = [*getattr(owner, "__dict__", ())]
-    for kind in type(owner).__mro__:
-        slots = vars(kind).get("__slots__", ())
-        names += [slots] if isinstance(slots, str) else [*slots]
-    for name in names:
-        part = getattr(owner, name, None)
-        if id(part) in seen or isinstance(part, type):
-            continue
-        seen.add(id(part))
-        yield part
-        if depth and (hasattr(part, "__dict__") or hasattr(part, "__slots__")):
-            yield from _parts(part, seen, depth - 1)
-
-
-def _weight(part: object) -> int:
-    if isinstance(part, _BYTES):
-        return len(part)
-    if isinstance(part, dict):
-        return len(part) + sum(len(each) for each in part.values() if isinstance(each, (*_BYTES, *_MANY)))
-    if isinstance(part, _MANY):
-        return len(part) + sum(len(each) for each in part if isinstance(each, _BYTES))
-    return 0
 
 
 def _counts(value: object, highest: int) -> bool:

@@ -8,21 +8,16 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import pytest
 
-from end_effector_hal import _extras, plugins
+from end_effector_hal import _extras
 from end_effector_hal._extras import DISTRIBUTION, extras
 from end_effector_hal.cli import _main
 from end_effector_hal.cli.doctor import _machine
 from end_effector_hal.cli.doctor._check_result import Level
-from end_effector_hal.codecs import _registry as codecs
-from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import SHIPPED_AUTOMATA, profile_path
-from end_effector_hal.errors import DescriptionError, UsageError
-from end_effector_hal.kinds import _registry as kinds
 from end_effector_lab.processes import EEHAL
 from tests.support.blocked import eehal_without
 from tests.support.nightly import first_of
@@ -250,7 +245,7 @@ def test_the_core_loads_no_wires(module: str) -> None:
     assert subprocess.check_output([sys.executable, "-c", seen], text=True) == "[]\n"
 
 
-# A plug-in whose import does not end disturbs nobody who does not use it, and is named to who does.
+# A plug-in whose import does not end disturbs nobody who does not use it.
 
 
 GROUPS = ("codecs", "kinds", "physics", "commands", "figures", "simulation", "bags", "sweep")
@@ -284,43 +279,3 @@ def test_who_does_not_use_it_does_not_import_it(hanging: Path, words: tuple[str,
             check=False,
         )
         assert (done.returncode, "imported" in done.stdout) == (code, False), done.stdout + done.stderr
-
-
-@pytest.fixture
-def evil(hanging: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(hanging))
-    points = EntryPoints(EntryPoint("evil", "evil:Evil", f"end_effector_hal.{group}") for group in GROUPS)
-    monkeypatch.setattr("importlib.metadata.entry_points", lambda **kw: points.select(**kw))
-    monkeypatch.setattr(plugins, "LOAD_S", 0.2)
-    for plugged in (codecs._CODECS, kinds._KINDS):
-        monkeypatch.setattr(plugged, "_begun", {})
-
-
-TOOL = """\
-name: cup
-link: {{port: /dev/ttyUSB0, codec: {codec}}}
-sequence: [cup]
-actuators: {{cup: {{kind: {kind}, line: GPIO1, channel: bottom}}}}
-supply: {{channel: none}}
-"""
-
-
-@pytest.mark.usefixtures("evil")
-def test_who_uses_it_reads_that_its_import_does_not_end() -> None:
-    for get in (codecs.get_codec, kinds.get_kind):
-        for _ in range(2):
-            with pytest.raises(UsageError, match=r"evil: its import did not end within 0\.2 s\."):
-                get("evil")
-
-
-@pytest.mark.usefixtures("evil")
-@pytest.mark.parametrize(("codec", "kind"), [("ees1-ascii", "evil"), ("evil", "vacuum")])
-def test_check_names_it_and_means_nothing_else(codec: str, kind: str, tmp_path: Path) -> None:
-    path = tmp_path / "tool.yaml"
-    path.write_text(TOOL.format(codec=codec, kind=kind))
-    with pytest.raises(DescriptionError) as refused:
-        load_tool(path)
-    said = str(refused.value)
-    assert "evil: its import did not end within 0.2 s" in said
-    assert "did you mean 'evil'" not in said
-    assert "that can be loaded" in said

@@ -22,7 +22,6 @@ from end_effector_hal.codecs import (
     asks,
     counters_of,
     frame_fault,
-    weight,
 )
 from end_effector_hal.errors import LinkError
 from end_effector_hal.plugins import named
@@ -141,10 +140,6 @@ class CodecCalls:
         return CodecFailure(f"{self.name} failed: {what}.", where=self._where, todo=TODO)
 
 
-MOST_KEPT = 65_536
-"""Most bytes and elements that a decoder may keep between two calls."""
-WEIGHED_AFTER = 16
-"""A decoder's memory is measured once in this number of calls; measuring takes as long as decoding a frame."""
 LONGEST_REQUEST = 4_096
 """Most bytes that `poll` may return to be sent."""
 MOST_ENDED = 64
@@ -155,8 +150,8 @@ LEAST_WAIT_US, LONGEST_WAIT_US = 1_000, 1_000_000
 class GuardedDecoder:
     """A decoder whose results are checked: their type and size, and the stamps and values of the frames.
 
-    Its memory is measured too, so that it is discarded before it fills the machine's memory. A decoder of this
-    distribution that is not polled is not checked: its tests do that, and a check takes longer than the decoding.
+    A decoder of this distribution that is not polled is not checked: its tests do that, and a check takes longer than
+    the decoding.
 
     Args:
         codec: makes the decoder.
@@ -174,7 +169,6 @@ class GuardedDecoder:
         self._period_us = calls.run("period_us", lambda: int(codec.period_us))
         self._idle = False
         self._last = 0
-        self._calls_left = 0
         self._ours = type(self._decoder) in OWN_DECODERS
         self._counters = self._count()
         self._says = calls.run("faults", lambda: hasattr(self._decoder, "faults"))
@@ -247,20 +241,11 @@ class GuardedDecoder:
         self._counters = self._count()
         said = self._calls.run("faults", self._said) if self._says else ()
         self.faults = (*said, self._arrivals.text) if self._arrivals.text else said
-        self._weigh()
         return frames
 
     def _said(self) -> tuple[str, ...]:
         texts: Iterable[object] = getattr(self._decoder, "faults", ())
         return tuple([text[:400] for text in islice(texts, MOST_ENDED) if isinstance(text, str)])
-
-    def _weigh(self) -> None:
-        if self._calls_left > 0:
-            self._calls_left -= 1
-            return
-        self._calls_left = WEIGHED_AFTER - 1
-        if (kept := self._calls.run("attributes", lambda: weight(self._decoder, self._codec))) > MOST_KEPT:
-            raise self._calls.failure(f"its decoder keeps {kept} bytes, at most {MOST_KEPT} are allowed")
 
     def _count(self) -> Counters:
         counters = self._calls.run("counters", lambda: counters_of(self._decoder))
