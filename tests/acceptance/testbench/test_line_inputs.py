@@ -19,9 +19,9 @@ from end_effector_lab.testbench.inputs import (
     GpioSimInputs,
     VirtualInputs,
 )
-from end_effector_lab.testbench.inputs.conformance import A, B, LineInputsConformance, Wires
 from tests.acceptance.testbench.emulator import Emulator
 from tests.support.gpio_kernel import Kernel, Kind
+from tests.support.line_inputs_tests import A, B, LineInputsConformance, Wires
 from tests.support.patience import PATIENCE_S
 from tests.support.virtual_machine import VirtualMachine
 from tools.board import QemuInputs

@@ -13,7 +13,7 @@ import pytest
 from end_effector_hal.errors import LineBusyError, LineNotFoundError, WireError
 from end_effector_hal.wires.lines import GpiodLines, VirtualChip, VirtualLines
 from end_effector_hal.wires.lines._gpiod import stop_holders
-from end_effector_hal.wires.lines.conformance import LineBackendConformance
+from tests.support.line_backend_tests import LineBackendConformance
 
 A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_210"
 

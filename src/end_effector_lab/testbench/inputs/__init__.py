@@ -1,7 +1,6 @@
 """Sources of line levels for the testbench: a virtual chip, real lines, or lines that the kernel simulates.
 
-Your own inputs are a class with the methods of `LineInputs`, and a test that inherits `LineInputsConformance` of
-``conformance``.
+Your own inputs are a class with the methods of `LineInputs`.
 """
 
 from ._gpio import GpioInputs, GpioSimInputs

@@ -12,11 +12,11 @@ import pytest
 
 from end_effector_hal.errors import LineNotFoundError, WireError
 from end_effector_hal.wires.lines import GpiodLines
-from end_effector_hal.wires.lines.conformance import LineBackendConformance
 from end_effector_lab.testbench.inputs import GpioInputs, GpioSimInputs
-from end_effector_lab.testbench.inputs.conformance import A, B, LineInputsConformance, Wires
 from tests.acceptance.gpiochip.inside.owned import Arbiter
 from tests.acceptance.gpiochip.inside.simulated import CONFIG, SimulatedChip, remove
+from tests.support.line_backend_tests import LineBackendConformance
+from tests.support.line_inputs_tests import A, B, LineInputsConformance, Wires
 
 NAMES = LineBackendConformance.names
 

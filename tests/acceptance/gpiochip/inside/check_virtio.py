@@ -10,8 +10,8 @@ import pytest
 
 from end_effector_hal.errors import LineBusyError
 from end_effector_hal.wires.lines import GpiodLines
-from end_effector_hal.wires.lines.conformance import LineBackendConformance
 from tests.acceptance.gpiochip.inside.owned import Arbiter
+from tests.support.line_backend_tests import LineBackendConformance
 
 A, B, C = "SODIMM_206", "SODIMM_208", "SODIMM_212"
 

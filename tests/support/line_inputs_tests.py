@@ -1,5 +1,4 @@
-# ruff: noqa: D102 the name of a test says what must hold
-"""Tests that all inputs of the testbench must pass; inherit `LineInputsConformance` in your tests (needs pytest).
+"""Tests that all inputs of the testbench must pass; a test inherits them.
 
 class TestMyInputs(LineInputsConformance):
     @pytest.fixture
@@ -15,8 +14,7 @@ from typing import Protocol
 import pytest
 
 from end_effector_hal.wires import now_us
-
-from ._virtual import LineInputs
+from end_effector_lab.testbench.inputs import LineInputs
 
 A, B = "SODIMM_206", "SODIMM_208"
 LONGEST_S = 20.0

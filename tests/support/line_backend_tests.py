@@ -1,5 +1,4 @@
-# ruff: noqa: D102 the name of a test says what must hold
-"""Tests that every line back-end must pass; inherit `LineBackendConformance` in your tests (needs pytest).
+"""Tests that every line back-end must pass; a test inherits them.
 
 class TestMyLines(LineBackendConformance):
     @pytest.fixture
@@ -16,7 +15,7 @@ from typing import ClassVar
 import pytest
 
 from end_effector_hal.errors import LineBusyError, LineNotFoundError
-from end_effector_hal.wires.lines._backend import LineBackend
+from end_effector_hal.wires.lines import LineBackend
 
 Make = Callable[[], LineBackend]
 
