@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.codecs import codec_names, load_tool
+from end_effector_hal.codecs import codec_names, get_codec, load_tool
 from end_effector_hal.description import profile_path
 from end_effector_hal.errors import NotReadyError
 from end_effector_hal.runtime import EndEffector
+from end_effector_hal.signals import Kind
 from end_effector_lab.processes import EEHAL
-from tests.support.command import eehal, eehal_here
+from tests.support.command import eehal
 from tests.support.nightly import first_of
 from tests.support.patience import wait_until
 
@@ -47,11 +48,16 @@ def background(log: Path, *words: object) -> Iterator[Path]:
 
 
 def described(name: str, folder: Path) -> Path:
-    """An example, or what `eehal init` writes for a codec."""
+    """An example, or a cup whose link has a codec."""
     if name in TOOLS:
         return TOOLS[name]
-    eehal_here("init", folder / "new", "--actuators", "cup:vacuum", "--no-tool-changer", "--link", name)
-    return folder / "new/end_effector.yaml"
+    pressures = [each for each, kind in get_codec(name).channels.items() if kind is Kind.PRESSURE]
+    path = folder / "cup.yaml"
+    path.write_text(
+        f"name: cup\nlink: {{port: /dev/ttyS0, codec: {name}}}\nsequence: [cup]\nsupply: {{channel: none}}\n"
+        f"actuators: {{cup: {{kind: vacuum, line: A, channel: {(pressures or ['bottom'])[0]}}}}}\n"
+    )
+    return path
 
 
 @contextmanager

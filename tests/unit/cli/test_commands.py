@@ -209,7 +209,7 @@ def completed(program: Path, *words: str) -> set[str]:
         (("run", "--script", "lock;sc"), {"lock;scenario"}),
         (("demo", "--only", "n"), {"nominal", "never-confirms"}),
         (("init", "x", "--actuators", "a:vacuum,b:gr"), {"a:vacuum,b:gripper"}),
-        (("init", "x", "--link", "front:mod"), {"front:modbus", "front:modbus-rtu-epick"}),
+        (("init", "x", "--link", "mod"), {"modbus"}),
         (("doctor", "--only", "python,l"), {"python,lines", "python,link"}),
         (("arbiter", "--profile", ""), {"verdin_gripper"}),
         (("completion", ""), {"bash", "zsh", "fish"}),

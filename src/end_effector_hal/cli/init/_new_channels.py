@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
@@ -12,6 +12,9 @@ from end_effector_hal.kinds import DeviceKind
 from end_effector_hal.kinds.stanza import NO_CHANNEL
 from end_effector_hal.signals import Kind
 
+BOARD = "none"
+LINKS = ("text", "json", "binary", "modbus", BOARD)
+"""What carries the signals: a frame that is declared, or `BOARD`, the inputs of the board."""
 CHANGER_DEFAULTS = tuple(str(ChangerStanza.model_fields[key].default) for key in ChangerStanza.BITS)
 
 
@@ -22,12 +25,10 @@ class NewChannels:
     Attributes:
         carried: the kind of every channel, by name.
         given: for each actuator, the channel of each of its keys.
-        of_codec: for renamed channels, the name that the codec of the link uses.
     """
 
     carried: dict[str, Kind] = field(default_factory=dict)
     given: dict[str, dict[str, str]] = field(default_factory=dict)
-    of_codec: dict[str, str] = field(default_factory=dict)
 
 
 def new_channels(
@@ -45,7 +46,8 @@ def new_channels(
         found.given[name] = {each.key: NO_CHANNEL for each in kind.channels}
         for each in wanted:
             if each.carries is Kind.BIT or not on_board:
-                channel = _own_name(name, each.meaning, each.carries)
+                own = each.carries is Kind.BIT or name in CHANGER_DEFAULTS
+                channel = f"{name}_{each.meaning}" if own else name
                 found.carried[channel] = each.carries
                 found.given[name][each.key] = channel
     if tool_changer:
@@ -53,76 +55,35 @@ def new_channels(
     return found
 
 
-def renamed_channels(
-    actuators: Sequence[tuple[str, DeviceKind[Any]]],
-    chosen: Mapping[str, Mapping[str, str]],
-    carried: Mapping[str, Kind],
-    *,
-    tool_changer: bool,
-) -> NewChannels:
-    """Return channels of a codec under new names, which are needed if there are several links.
-
-    Args:
-        actuators: the actuators that the link confirms.
-        chosen: for each actuator, the codec's channel for each of its keys.
-        carried: the kind of every channel of the codec.
-        tool_changer: whether the bits of the tool changer come from this link, as far as the codec has them.
-    """
-    found = NewChannels()
-    for name, kind in actuators:
-        found.given[name] = dict(chosen[name])
-        for each in kind.channels:
-            if (channel := chosen[name][each.key]) != NO_CHANNEL:
-                own = _own_name(name, each.meaning, carried[channel])
-                found.given[name][each.key] = own
-                found.carried[own], found.of_codec[own] = carried[channel], channel
-    for bit in CHANGER_DEFAULTS if tool_changer else ():
-        if carried.get(bit) is Kind.BIT:
-            found.carried[bit], found.of_codec[bit] = Kind.BIT, bit
-    return found
-
-
-def _own_name(actuator: str, meaning: str, carries: Kind) -> str:
-    return f"{actuator}_{meaning}" if carries is Kind.BIT or actuator in CHANGER_DEFAULTS else actuator
-
-
-def frame_lines(link: str, channels: NewChannels) -> Iterator[str]:
-    """Yield the lines of the declared frame that carries the channels of a link: text, json, binary or modbus."""
+def frame_line(link: str, channels: NewChannels) -> str:
+    """Return the line of the declared frame that carries the channels of a link: text, json, binary or modbus."""
     match link:
         case "text":
-            yield '  frame: {text: {start: "$", separator: ",", checksum: xor8}}   # $1,2.5,...*hh, a line each'
+            return (
+                '  frame: {text: {start: "$", separator: ",", checksum: xor8}}   # $1,2.5,...*hh, a line each'
+            )
         case "json":
-            yield '  frame: {json: {}}                  # {"cup": -62.4, "part": true}, a line each'
+            return '  frame: {json: {}}                  # {"cup": -62.4, "part": true}, a line each'
         case "binary":
             length = 2 * _count(channels, Kind.PRESSURE) + -(-_count(channels, Kind.BIT) // 8)
-            yield f"  frame: {{record: {{framing: cobs, length: {length}, checksum: crc16-modbus}}}}"
-        case _:
-            yield "  frame: {modbus: {}}                # the HAL asks, the devices answer"
+            return f"  frame: {{record: {{framing: cobs, length: {length}, checksum: crc16-modbus}}}}"
+    return "  frame: {modbus: {}}                # the HAL asks, the devices answer"
 
 
-CHANNELS_HEAD = (
-    "",
-    "channels:                          # yours: where each signal stands; docs/reference/channels.md",
-)
-
-
-def channel_lines(link: str, name_of_link: str, channels: NewChannels) -> Iterator[str]:
+def channel_lines(link: str, channels: NewChannels) -> Iterator[str]:
     """Yield the lines of the stanza ``channels`` with the place of every channel in the frame of its link."""
-    for name, channel in channels.of_codec.items():
-        yield f"  {name}: {{link: {name_of_link}, codec: {{channel: {channel}}}}}"
-    if channels.of_codec:
-        return
+    yield ""
+    yield "channels:                          # yours: where each signal stands; docs/reference/channels.md"
     place = {
         "text": _text,
         "json": _json(channels),
         "binary": _binary(channels),
         "modbus": _modbus(),
-        "none": _board(),
+        BOARD: _board(),
     }[link]
-    over = f"link: {name_of_link}, " if name_of_link and link != "none" else ""
     for number, (name, kind) in enumerate(channels.carried.items(), start=1):
         more = "" if kind is Kind.BIT else ", unit: kPa, scale: 0.1"
-        yield f"  {name}: {{{over}{place(number, kind)}{more}}}"
+        yield f"  {name}: {{{place(number, kind)}{more}}}"
 
 
 def _count(channels: NewChannels, kind: Kind) -> int:

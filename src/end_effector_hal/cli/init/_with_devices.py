@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from end_effector_hal.description import DeviceLibrary, LibraryDevice, schema_path
 from end_effector_hal.errors import UsageError
 
-from ._init import WantedActuator, WantedLink
+from ._init import WantedActuator
 from ._new_tool import refuse_faulty, tool_name
 
 
 def description_with_devices(
-    folder: Path, actuators: Sequence[WantedActuator], links: Sequence[WantedLink], *, virtual: bool
+    folder: Path, actuators: Sequence[WantedActuator], ports: Mapping[str, str], *, virtual: bool
 ) -> str:
     """Return the text of a description that is valid unchanged.
 
     Args:
         folder: the folder of the description; its name becomes the name of the tool.
         actuators: in the order of a grip.
-        links: those of the actuators, with their ports.
+        ports: those of their links, by name; "": the usual one.
         virtual: use virtual lines and a pty in the folder, for the testbench.
 
     Raises:
@@ -32,10 +32,10 @@ def description_with_devices(
             f"{kinds[0]} is a kind, and others are devices.",
             todo="Name only devices, then add the others to the file; or only kinds.",
         )
-    if len(links) > 1 and any(not link.name for link in links):
+    if len(ports) > 1 and "" in ports:
         raise UsageError("Only some of the actuators name a link.", todo="Write NAME:DEVICE:LINK for all.")
     text = "\n".join(
-        (*_head(folder, virtual=virtual), *_links(folder, links, virtual=virtual), *_body(actuators), "")
+        (*_head(folder, virtual=virtual), *_links(folder, ports, virtual=virtual), *_body(actuators), "")
     )
     refuse_faulty(text, folder)
     return text
@@ -49,14 +49,13 @@ def _head(folder: Path, *, virtual: bool) -> Iterator[str]:
         yield f"lines: {{backend: virtual, path: {json.dumps(str(place / 'chip'), ensure_ascii=False)}}}"
 
 
-def _links(folder: Path, links: Sequence[WantedLink], *, virtual: bool) -> Iterator[str]:
-    if links[0].name:
+def _links(folder: Path, ports: Mapping[str, str], *, virtual: bool) -> Iterator[str]:
+    if "" not in ports:
         yield "links:"
-    for number, link in enumerate(links):
-        uart = str(folder.absolute() / (f"uart_{link.name}" if link.name else "uart"))
-        own = uart if virtual else link.port
-        port = json.dumps(own, ensure_ascii=False) if own else f"/dev/ttyUSB{number}"
-        yield f"  {link.name}: {{port: {port}}}" if link.name else f"link: {{port: {port}}}"
+    for number, (name, port) in enumerate(ports.items()):
+        own = str(folder.absolute() / (f"uart_{name}" if name else "uart")) if virtual else port
+        said = json.dumps(own, ensure_ascii=False) if own else f"/dev/ttyUSB{number}"
+        yield f"  {name}: {{port: {said}}}" if name else f"link: {{port: {said}}}"
 
 
 def _body(actuators: Sequence[WantedActuator]) -> Iterator[str]:
