@@ -18,7 +18,7 @@ from distributed import Client
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_lab.processes import Child, Children
-from end_effector_lab.trials import Cell, cells_of, matrix_folder, moments, play_all, thinned
+from end_effector_lab.trials import Cell, cells_of, moments, play_all, thinned
 from end_effector_lab.workers import open_workers
 
 DASK = (sys.executable, "-m", "dask")
@@ -37,8 +37,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, Children() as children:
         folder = Path(name)
         begun = time.process_time()
-        with open_workers(None, 1) as here, matrix_folder(description, folder / "here") as results:
-            play_all(description, cells, results, workers=here)
+        with open_workers(None, 1) as here:
+            play_all(description, cells, workers=here)
         found: dict[str, object] = {"cells": len(cells), "here_s": time.process_time() - begun}
         scheduler, address = _scheduler(children, folder)
         for count in (1, 2):
@@ -49,10 +49,8 @@ def main() -> None:
             )
             with Client(address, set_as_default=False) as client:
                 client.wait_for_workers(count, timeout=START_S)
-                _play(description, cells[:20], folder / f"warm-{count}", address)
-                found[f"workers_{count}"] = _measured(
-                    client, scheduler, description, cells, folder / str(count), address
-                )
+                _play(description, cells[:20], address)
+                found[f"workers_{count}"] = _measured(client, scheduler, description, cells, address)
         with Client(address, set_as_default=False) as client:
             found["scheduler_of_nothing"] = _of_nothing(client, scheduler, address)
     print(json.dumps(found | _ratios(found), indent=1))
@@ -70,19 +68,19 @@ def _scheduler(children: Children, folder: Path) -> tuple[Child, str]:
     return scheduler, json.loads(file.read_text())["address"]
 
 
-def _play(description: Description, cells: list[Cell], folder: Path, address: str) -> None:
-    with open_workers(address, None) as workers, matrix_folder(description, folder) as results:
-        play_all(description, cells, results, workers=workers)
+def _play(description: Description, cells: list[Cell], address: str) -> None:
+    with open_workers(address, None) as workers:
+        play_all(description, cells, workers=workers)
 
 
 def _measured(
-    client: Client, scheduler: Child, description: Description, cells: list[Cell], folder: Path, address: str
+    client: Client, scheduler: Child, description: Description, cells: list[Cell], address: str
 ) -> dict[str, object]:
     def used() -> tuple[dict[str, float], float, float]:
         return client.run(time.process_time), _cpu_s(scheduler.pid), time.process_time()
 
     before, wall = used(), time.monotonic()
-    _play(description, cells, folder, address)
+    _play(description, cells, address)
     wall, after = time.monotonic() - wall, used()
     return {
         "workers_s": [round(after[0][each] - before[0][each], 2) for each in after[0]],

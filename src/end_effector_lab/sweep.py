@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from decimal import Decimal, DecimalException
-from functools import partial
 from io import StringIO
 from itertools import product
 from math import prod
 from pathlib import Path
 
-from pydantic import ConfigDict, TypeAdapter
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
@@ -20,7 +18,6 @@ from end_effector_hal.control import load_automata
 from end_effector_hal.description import Description, examine, examine_text
 from end_effector_hal.errors import DescriptionError, Diagnostic, ReportedError, UsageError
 from end_effector_hal.verification.lemmas import prove_tool
-from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
 from end_effector_lab.workers import ShippedAutomata, Workers
 
 MOST = 10_000
@@ -78,13 +75,6 @@ NOT_THERE = ("EE-205", "EE-206")
 
 
 TABLE, DOCUMENT = "sweep.csv", "sweep.json"
-LAYOUT = ResultsLayout(
-    "sweep",
-    "grid.json",
-    "combinations.jsonl",
-    "Remove the line: its combination is proven again.",
-    (TABLE, DOCUMENT),
-)
 
 
 @dataclass(frozen=True)
@@ -103,8 +93,6 @@ class Proven:
         states, seconds: number of states and duration of the proof.
     """
 
-    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
-
     values: dict[str, str]
     holds: bool
     refused: str = ""
@@ -114,9 +102,6 @@ class Proven:
     worst: dict[str, float | None] = field(default_factory=dict)
     states: int = 0
     seconds: float = 0.0
-
-
-_SHAPE = TypeAdapter(Proven)
 
 
 @dataclass(frozen=True)
@@ -130,22 +115,11 @@ class _Combination:
         return ", ".join(f"{key}={value}" for key, value in self.values.items())
 
 
-def sweep_folder(path: Path, axes: Sequence[Axis], folder: Path) -> ResultsFolder:
-    """Open the results of a sweep over these keys, for any values; raises UsageError as `ResultsFolder` does.
-
-    Raises:
-        DescriptionError: the unchanged description is not valid.
-    """
-    mark = mark_of(_described(path)[0], keys=[axis.key for axis in axes])
-    return ResultsFolder(folder, LAYOUT, mark)
-
-
 def sweep(
     path: Path,
     axes: Sequence[Axis],
     workers: Workers,
     on_progress: Callable[[int, int], None] = lambda _, __: None,
-    results: ResultsFolder | None = None,
 ) -> list[Proven]:
     """Prove each combination; return the results in the order of the grid.
 
@@ -154,11 +128,10 @@ def sweep(
         axes: the keys that are varied, and their values.
         workers: the workers that prove them.
         on_progress: called with the number of proven combinations, and the number of all.
-        results: folder that keeps results; combinations that it contains are not proven again. None: nothing is kept.
 
     Raises:
         DescriptionError, ModelError: the unchanged description is not valid, or a key of an axis is unknown.
-        UsageError: too many combinations; a kept line does not fit, or a result cannot be written.
+        UsageError: too many combinations.
         WorkersError: the workers cannot be reached or do not fit, or some combinations were not proven.
     """
     description, text = _described(path)
@@ -166,16 +139,11 @@ def sweep(
     wanted = [*combinations(axes)]
     for axis in axes:  # a key that is unknown is so in each combination
         _changed(text, path, {axis.key: axis.values[0]})
-    kept = results.by_key(_SHAPE, partial(_checked, results, axes), "combination") if results else {}
-    found = {key: kept[key] for values in wanted if (key := tuple(values.values())) in kept}
-    todo = [values for values in wanted if tuple(values.values()) not in found]
-    on_progress(len(found), len(wanted))
-    shared = ShippedAutomata.read(description)
-    items = (_changed(text, path, values) for values in todo)
-    for combination, proven in workers.each(_prove, shared, items):
+    found: dict[tuple[str, ...], Proven] = {}
+    on_progress(0, len(wanted))
+    items = (_changed(text, path, values) for values in wanted)
+    for combination, proven in workers.each(_prove, ShippedAutomata.read(description), items):
         found[tuple(combination.values.values())] = proven
-        if results:
-            results.append(asdict(proven))
         on_progress(len(found), len(wanted))
     return [found[tuple(values.values())] for values in wanted]
 
@@ -186,15 +154,6 @@ def _described(path: Path) -> tuple[Description, str]:
     if examination.description is None:
         raise DescriptionError(examination.diagnostics)
     return examination.description, examination.text
-
-
-def _checked(results: ResultsFolder, axes: Sequence[Axis], proven: Proven, where: str) -> tuple[str, ...]:
-    """Return the values of a combination that was proven earlier; raises UsageError if it is none of this sweep."""
-    if [*proven.values] != [axis.key for axis in axes]:
-        raise results.misfit("its values are those of other keys.", where)
-    if proven.holds and (proven.refused or proven.fails or proven.open):
-        raise results.misfit("it holds, and something speaks against it.", where)
-    return tuple(proven.values.values())
 
 
 def _changed(text: str, path: Path, values: dict[str, str]) -> _Combination:

@@ -1,12 +1,12 @@
 """The FMEAs of the shipped tool and of the examples, in ``docs/reference/fmea``: ``python -m tests.support.fmea``.
 
-With names of tools it plays these only; what was played is kept in ``runs/fmea``, so that it goes on where it was
-stopped.
+With names of tools it plays these only.
 """
 
 from __future__ import annotations
 
 import csv
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -86,6 +86,7 @@ def main(names: list[str]) -> int:
     """Play tools and keep their FMEAs."""
     for name in names or EVERY:
         folder = PLAYED / name
+        shutil.rmtree(folder, ignore_errors=True)
         tool = [] if name == "verdin_gripper" else [str(path_of(name))]
         asked = ["--only", ONLY, "--every", str(EVERY[name]), "-o", str(folder)]
         ended = subprocess.run(["eehal", "matrix", *tool, *asked], check=False).returncode

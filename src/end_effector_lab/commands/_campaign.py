@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal.cli import PathName, Progress, json_text, print_document, seed_option
+from end_effector_hal.cli import PathName, Progress, json_text, print_document, seed_option, write_whole
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
@@ -25,7 +25,7 @@ MOST_LISTED, MOST_SHOWN = 20, 5000
 
 @click.command("campaign", short_help="random commands, faults and deaths, in virtual time")
 @click.argument("tool", required=False, metavar="[TOOL]", type=PathName())
-@playing_options("campaign", "Gets what was played, the failures and what was never reached")
+@playing_options("campaign", "what was played, the failures and what was never reached")
 @click.option(
     "--runs", type=click.IntRange(1), metavar="N", help=f"End after N runs in all.  [default: {RUNS}]"
 )
@@ -93,7 +93,6 @@ def _run(
 ) -> int:
     from end_effector_lab.trials import (
         UNREACHED,
-        campaign_folder,
         never_reached,
         read_failures,
         run_campaign,
@@ -119,8 +118,7 @@ def _run(
 
         campaign = run_campaign(description, output, workers, seed=seed, go_on=go_on, on_progress=on_progress)
     found, unreached = summary(campaign), never_reached(campaign)
-    with campaign_folder(description, output, seed) as results:
-        kept = results.write(UNREACHED, (json.dumps(unreached, indent=1) + "\n").encode())
+    write_whole(output / UNREACHED, (json.dumps(unreached, indent=1) + "\n").encode())
     if as_json:
         click.echo(json_text(found))
     else:
@@ -133,8 +131,6 @@ def _run(
             f"{found['edges']} edges, {found['locations']} locations, {found['edge_faults']} edges with a fault; "
             f"{output / UNREACHED}"
         )
-    if kept:
-        click.echo(f"not lost: what somebody had written there is {kept}", err=True)
     return 4 if found["failures"] else 0
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from end_effector_hal.cli import PathName, Progress, json_text, print_document
+from end_effector_hal.cli import PathName, Progress, json_text, print_document, write_whole
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import printable
 
@@ -17,14 +17,13 @@ from ._options import counted, playing_options
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
-    from end_effector_lab.results import ResultsFolder
     from end_effector_lab.trials import Cell, Played
     from end_effector_lab.workers import Workers
 
 
 @click.command("matrix", short_help="every fault at every moment, in virtual time")
 @click.argument("tool", required=False, metavar="[TOOL]", type=PathName())
-@playing_options("matrix", "Gets what was played, the report and the FMEA")
+@playing_options("matrix", "what was played, the report and the FMEA")
 @click.option(
     "--every",
     type=click.IntRange(1),
@@ -103,42 +102,22 @@ def _all(
     *,
     as_json: bool,
 ) -> int:
-    from end_effector_lab.trials import figures, matrix_folder, play_all
+    from end_effector_lab.results import new_results
+    from end_effector_lab.trials import CELLS, FIGURES, FMEA, PAGE, figures, fmea, page, play_all
 
-    with matrix_folder(description, output) as results:
-        with Progress(f"{len(cells)} cells", shown=not as_json) as progress:
-            played = play_all(
-                description, cells, results, workers=workers, on_progress=counted(progress, "cells")
-            )
-        found = figures(cells, played.values(), left_out)
-        kept = _write(description, cells, played, found, results)
+    folder = new_results(output)
+    with Progress(f"{len(cells)} cells", shown=not as_json) as progress:
+        told = counted(progress, "cells")
+        played = play_all(description, cells, workers=workers, lines=folder / CELLS, on_progress=told)
+    found = figures(cells, played.values(), left_out)
+    write_whole(folder / PAGE, page(description.name, found, cells, played).encode())
+    write_whole(folder / FIGURES, (json.dumps(found, indent=1) + "\n").encode())
+    write_whole(folder / FMEA, fmea(description, cells, played).encode())
     if as_json:
         click.echo(json_text(found))
     else:
         _tell(found, [each for each in played.values() if each.objections], output)
-    for path in kept:
-        click.echo(f"not lost: what somebody had written there is {path}", err=True)
     return 4 if found["dropped"] or found["unexplained"] else 0
-
-
-def _write(
-    description: Description,
-    cells: list[Cell],
-    played: dict[str, Played],
-    found: dict[str, Any],
-    results: ResultsFolder,
-) -> list[Path]:
-    """Write the results; return the copies of files that a person had changed."""
-    from end_effector_lab.trials import FIGURES, FMEA, PAGE, fmea, page, signed_cells
-
-    signed = signed_cells(results.read(FMEA))
-    table = fmea(description, cells, played, signed).encode()
-    kept = [
-        results.write(PAGE, page(description.name, found, cells, played).encode()),
-        results.write(FIGURES, (json.dumps(found, indent=1) + "\n").encode()),
-        results.write(FMEA, table, keep=signed_cells(table) != signed),
-    ]
-    return [path for path in kept if path is not None]
 
 
 def _tell(found: dict[str, Any], wrong: list[Played], output: Path) -> None:
@@ -161,20 +140,18 @@ def _one(description: Description, cells: list[Cell], name: str, output: Path, *
 
     from end_effector_hal.cli import figures
     from end_effector_lab.figures import RecordedRun
-    from end_effector_lab.trials import cell_folder, disturbances, record
+    from end_effector_lab.results import new_results
+    from end_effector_lab.trials import disturbances, record
 
     cell = next((each for each in cells if each.id == name), None)
     if cell is None:
         close = get_close_matches(name, [each.id for each in cells], n=1, cutoff=0.3)
         raise UsageError(f"There is no cell {name!r}.", todo=f"Did you mean {close[0]!r}?" if close else "")
     drawing = figures()  # without what draws them nothing is played
-    folder = output / "cell"
-    with cell_folder(folder) as new:
-        played = record(description, cell, new)
-        run = RecordedRun.read(new / "states.csv")
-        run = replace(run, marks=disturbances(cell))
-        figure = drawing.save(run.figure("timeline"), new / "timeline.png")
-    figure = folder / figure.name
+    folder = new_results(output / "cell")
+    played = record(description, cell, folder)
+    run = replace(RecordedRun.read(folder / "states.csv"), marks=disturbances(cell))
+    figure = drawing.save(run.figure("timeline"), folder / "timeline.png")
     if as_json:
         print_document(asdict(played) | {"figure": str(figure)})
     else:

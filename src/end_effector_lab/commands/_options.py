@@ -41,7 +41,7 @@ def playing_options(noun: str, gets: str) -> Callable[[Decorated], Decorated]:
 
     Args:
         noun: name of the command and of its folder.
-        gets: the help text on the folder's content, as a sentence without its full stop.
+        gets: the folder's content, in words.
     """
     options = (
         click.option(
@@ -51,7 +51,7 @@ def playing_options(noun: str, gets: str) -> Callable[[Decorated], Decorated]:
             default=f"runs/{noun}",
             show_default=True,
             type=PathName(),
-            help=f"{gets}; a {noun} that was stopped there goes on.",
+            help=f"A new folder that gets {gets}.",
         ),
         click.option("--jobs", type=click.IntRange(1), help="Processes; default: one for each processor."),
         click.option(

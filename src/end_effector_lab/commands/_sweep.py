@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import asdict
 from io import StringIO
 from pathlib import Path
@@ -12,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from end_effector_hal.cli import Progress, is_figure, print_document
+from end_effector_hal.cli import Progress, is_figure, print_document, write_whole
 from end_effector_hal.errors import UsageError
 
 from ._options import counted
 
 if TYPE_CHECKING:
-    from end_effector_lab.results import ResultsFolder
     from end_effector_lab.sweep import Axis, Proven
 
 _MOST_ROWS = 60
@@ -43,23 +41,18 @@ def run(
         output: the folder of the results; None: nothing is written.
         as_json: print JSON.
     """
-    from end_effector_lab.sweep import combinations, read_axis, sweep, sweep_folder
+    from end_effector_lab.results import new_results
+    from end_effector_lab.sweep import combinations, read_axis, sweep
     from end_effector_lab.workers import open_workers
 
     axes = [read_axis(each) for each in wanted]
     combinations(axes)
     if output is not None and is_figure(output):
         raise UsageError("-o names the folder of a sweep, not a figure.", where=str(output))
-    files: list[Path] = []
-    with (
-        open_workers(scheduler, jobs) as workers,
-        Progress("Reading", shown=not as_json) as progress,
-        ExitStack() as stack,
-    ):
-        results = stack.enter_context(sweep_folder(path, axes, output)) if output else None
-        found = sweep(path, axes, workers, counted(progress, "combinations proven"), results)
-        if output and results:
-            files = _write(axes, found, results, output)
+    folder = None if output is None else new_results(output)
+    with open_workers(scheduler, jobs) as workers, Progress("Reading", shown=not as_json) as progress:
+        found = sweep(path, axes, workers, counted(progress, "combinations proven"))
+    files = [] if folder is None else _write(axes, found, folder)
     if as_json:
         print_document(_document(axes, found) | {"files": [str(file) for file in files]})
     else:
@@ -75,18 +68,16 @@ def _document(axes: Sequence[Axis], found: Sequence[Proven]) -> dict[str, Any]:
     }
 
 
-def _write(axes: Sequence[Axis], found: Sequence[Proven], results: ResultsFolder, folder: Path) -> list[Path]:
+def _write(axes: Sequence[Axis], found: Sequence[Proven], folder: Path) -> list[Path]:
     from end_effector_hal.cli import json_text
     from end_effector_lab.sweep import DOCUMENT, TABLE, table
 
     rows = StringIO()
     csv.writer(rows, lineterminator="\n").writerows(table(axes, found))
     texts = {DOCUMENT: json_text(_document(axes, found)) + "\n", TABLE: rows.getvalue()}
-    files = []
     for name, text in texts.items():
-        beside = results.write(name, text.encode())
-        files += [folder / name, *([beside] if beside else [])]
-    return files
+        write_whole(folder / name, text.encode())
+    return [folder / name for name in texts]
 
 
 def _print(axes: Sequence[Axis], found: Sequence[Proven], files: Sequence[Path]) -> None:

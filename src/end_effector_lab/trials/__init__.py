@@ -6,7 +6,6 @@ A grid plays every fault at every moment with every command; a campaign plays ra
 from ._campaign import (
     UNREACHED,
     Campaign,
-    campaign_folder,
     kind_of_failure,
     never_reached,
     read_failures,
@@ -20,15 +19,14 @@ from ._effects import GRIP, HELD, RELEASE, REST, Effects, FaultWords
 from ._grid import COMMANDS, Cell, Moment, cells_of, moments, thinned
 from ._play import no_log, play_case
 from ._processes import play_on_processes
-from ._report import figures, fmea, let_go, page, signed_cells
+from ._report import figures, fmea, let_go, page
 from ._run_grid import (
+    CELLS,
     FIGURES,
     FMEA,
     PAGE,
     Played,
-    cell_folder,
     disturbances,
-    matrix_folder,
     play,
     play_all,
     record,

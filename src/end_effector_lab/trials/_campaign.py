@@ -1,4 +1,4 @@
-"""A campaign: random cases, guided by what they reach, played on all workers; a stopped one continues in its folder.
+"""A campaign: random cases, guided by what they reach, played on all workers.
 
 Run n is drawn from the seed, n, and the coverage of the first three quarters of the runs before it (`drawn_from`). So
 the same seed gives the same runs, however many workers there are, and in any order of their ends.
@@ -7,26 +7,22 @@ the same seed gives the same runs, however many workers there are, and in any or
 from __future__ import annotations
 
 import json
-import os
 import re
 from bisect import bisect_left
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
-
 from end_effector_hal.cli import the_folder, write_whole
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError
 from end_effector_hal.recording import product_version
-from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
+from end_effector_lab.results import append_line, new_results
 from end_effector_lab.workers import ShippedAutomata, Workers
 
-from ._case import LARGEST_BYTES, Case, case_from_json
-from ._coverage import Count, CoverageMap, Reached
+from ._case import Case
+from ._coverage import CoverageMap, Reached
 from ._draw import CaseSource, shrunk
 from ._play import no_log, play_case
 
@@ -35,39 +31,26 @@ LEAST_AHEAD = 16
 MOST_MOMENTS = 60
 
 
-class KeptRun(BaseModel):
-    """A run as a line of the file: with its case only if it failed or reached something new."""
+class PlayedRun(NamedTuple):
+    """A run; in the file its case stands only if it failed or reached something new."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    run: Count
-    grips: Count
-    s: float = Field(ge=0, allow_inf_nan=False)
-    case: dict[str, Any] | None = None
-    moments: list[Count] | None = Field(None, max_length=MOST_MOMENTS)
+    run: int
+    grips: int
+    s: float
+    case: Case | None
+    moments: tuple[int, ...] = ()
     new: Reached | None = None
-    failures: dict[str, str] | None = Field(None, min_length=1)
-
-    def misfit(self, run: int, known: CoverageMap) -> str:
-        """Return what contradicts the number of the run, the tool, or itself; empty: nothing."""
-        if self.run != run:
-            return f"it is run {self.run}, and run {run} is the next one."
-        useless = self.case is not None and self.new is None and self.failures is None
-        if useless or (self.new is None) != (self.moments is None) or (self.new and self.case is None):
-            return "a case, what it reached and its moments do not stand together."
-        if self.new is not None:
-            most = len(known.edges), len(known.locations), len(known.edges) * len(known.faults)
-            found = self.new.edges, self.new.locations, self.new.pairs
-            if any(max(numbers, default=-1) >= limit for numbers, limit in zip(found, most, strict=True)):
-                return "it reached what this tool does not have."
-        return ""
+    failures: Mapping[str, str] | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return it as it stands in the file."""
-        return self.model_dump(mode="json", exclude_none=True)
-
-
-KEPT_RUN = TypeAdapter(KeptRun)
+        found = self._asdict() | {
+            "case": self.case and self.case.as_json(),
+            "new": self.new and self.new.as_json(),
+        }
+        if self.new is None:
+            del found["moments"]
+        return {key: value for key, value in found.items() if value is not None}
 
 
 class KeptCase(NamedTuple):
@@ -115,14 +98,13 @@ class Campaign:
     failures: int = 0
     kinds: dict[str, FailedRun] = field(default_factory=dict)
 
-    def add(self, found: KeptRun, description: Description) -> None:
+    def add(self, found: PlayedRun) -> None:
         """Add the next run."""
-        case = None if found.case is None else case_from_json(found.case, description)
+        case = found.case
         if case is not None and found.new is not None:
             new = found.new.beyond(self.reached)
             self.reached.add(new)
-            moments = tuple(found.moments or ())
-            self.kept.append(KeptCase(case, moments, bool(new.edges or new.locations), self.runs))
+            self.kept.append(KeptCase(case, found.moments, bool(new.edges or new.locations), self.runs))
         self.failures += found.failures is not None
         for what in (found.failures or {}).values():
             if case is not None:
@@ -189,11 +171,7 @@ def never_reached(campaign: Campaign) -> dict[str, Any]:
     }
 
 
-FAILURES, UNREACHED = "failures", "unreached.json"
-LAYOUT = ResultsLayout(
-    "campaign", "campaign.json", "runs.jsonl",
-    "Remove it and all lines behind it: their runs are played again.", (UNREACHED,), (FAILURES,),
-)  # fmt: skip
+FAILURES, RUNS, UNREACHED = "failures", "runs.jsonl", "unreached.json"
 MOST_KINDS = 40
 """Largest number of kinds of failures that are shrunk."""
 
@@ -211,20 +189,6 @@ class _Shared(NamedTuple):
         return self.automata.of(self.described)
 
 
-class _Failure(BaseModel):
-    """The fields of a failure's file that are read again; the others are kept unchanged."""
-
-    model_config = ConfigDict(extra="allow")
-
-    kind: str
-    words: str
-
-
-def campaign_folder(description: Description, folder: Path, seed: int) -> ResultsFolder:
-    """Return the results folder of a campaign; raises UsageError if it cannot be used or belongs to other results."""
-    return ResultsFolder(folder, LAYOUT, mark_of(description, seed=seed))
-
-
 def run_campaign(
     description: Description,
     folder: Path,
@@ -237,58 +201,35 @@ def run_campaign(
     """Play cases until ``go_on`` returns False, and write the smallest case of each kind of failure into ``failures``.
 
     Args:
-        folder: keeps the results; a campaign of the same seed continues there.
+        folder: a new one, which gets the results.
         workers: play the cases.
         seed: seed of all cases.
         go_on: called before each run with the results so far and the run's number.
         on_progress: called after each run.
 
     Raises:
-        UsageError: the folder cannot be written, or contains another campaign; the tool cannot be played.
+        UsageError: the folder cannot be written, or is not empty; the tool cannot be played.
         WorkersError: the workers cannot be reached, or some cases were not played.
     """
     known, source = CoverageMap(description), CaseSource(description)
     campaign = Campaign(seed, known)
     campaign.reached.locations |= known.initial
-    with campaign_folder(description, folder, seed) as results:
-        for where, kept in results.lines(KEPT_RUN):
-            _add_kept(kept, where, campaign, source, description, results)
-        on_progress(campaign)
-        shared, over = _Shared(description, ShippedAutomata.read(description), known), False
-        while not over:
-            waiting: dict[int, KeptRun] = {}
-            todo = _Drawn(campaign, source, go_on)
-            for _, found in workers.each(_play, shared, todo):
-                waiting[found.run] = found
-                while campaign.runs in waiting:
-                    line = _shortened(waiting.pop(campaign.runs), campaign)
-                    campaign.add(line, description)
-                    results.append(line.as_json())
-                    on_progress(campaign)
-            over = todo.over
-        _write_failures(campaign, folder / FAILURES, shared, workers)
+    shared, over = _Shared(description, ShippedAutomata.read(description), known), False
+    new_results(folder)
+    on_progress(campaign)
+    while not over:
+        waiting: dict[int, PlayedRun] = {}
+        todo = _Drawn(campaign, source, go_on)
+        for _, found in workers.each(_play, shared, todo):
+            waiting[found.run] = found
+            while campaign.runs in waiting:
+                line = _shortened(waiting.pop(campaign.runs), campaign)
+                campaign.add(line)
+                append_line(folder / RUNS, line.as_json())
+                on_progress(campaign)
+        over = todo.over
+    _write_failures(campaign, folder / FAILURES, shared, workers)
     return campaign
-
-
-def _add_kept(
-    kept: KeptRun,
-    where: str,
-    campaign: Campaign,
-    source: CaseSource,
-    description: Description,
-    results: ResultsFolder,
-) -> None:
-    """Add a run from the file; raise UsageError if it is not the next run of this campaign."""
-    if wrong := kept.misfit(campaign.runs, campaign.known):
-        raise results.misfit(wrong, where)
-    if kept.case is not None:
-        try:
-            case = case_from_json(kept.case, description)
-        except UsageError as error:
-            raise results.misfit(str(error), where) from None
-        if case != campaign.draw(kept.run, source):
-            raise results.misfit(f"its case is not the one that seed {campaign.seed} gives.", where)
-    campaign.add(kept, description)
 
 
 class _Drawn:
@@ -310,25 +251,24 @@ class _Drawn:
             run += 1
 
 
-def _play(shared: _Shared, item: tuple[int, Case]) -> KeptRun:
+def _play(shared: _Shared, item: tuple[int, Case]) -> PlayedRun:
     """Play one run in a worker."""
     run, case = item
     with no_log():
         played = play_case(shared.description, case, shared.known)
-    return KeptRun(
-        run=run, grips=played.grips, s=round(played.tool.at / 1e6, 3), case=case.as_json(),
-        moments=list(played.moments[:MOST_MOMENTS]), new=played.reached, failures=played.failures or None,
-    )  # fmt: skip
+    moments = tuple(played.moments[:MOST_MOMENTS])
+    seconds, failures = round(played.tool.at / 1e6, 3), played.failures or None
+    return PlayedRun(run, played.grips, seconds, case, moments, played.reached, failures)
 
 
-def _shortened(found: KeptRun, campaign: Campaign) -> KeptRun:
+def _shortened(found: PlayedRun, campaign: Campaign) -> PlayedRun:
     """Return the kept part of a run: its case only if it failed in a new way or reached something new."""
     new = (found.new or Reached()).beyond(campaign.reached)
     keeps = new or any(
         kind_of_failure(what) not in campaign.kinds for what in (found.failures or {}).values()
     )
-    more = {"moments": found.moments, "new": new} if new else {"moments": None, "new": None}
-    return found.model_copy(update=more if keeps else more | {"case": None})
+    case = found.case if keeps else None
+    return found._replace(case=case, new=new or None, moments=found.moments if new else ())
 
 
 def _shrink(shared: _Shared, item: tuple[str, Case]) -> tuple[Case, list[str]]:
@@ -343,9 +283,8 @@ def _shrink(shared: _Shared, item: tuple[str, Case]) -> tuple[Case, list[str]]:
 
 
 def _write_failures(campaign: Campaign, folder: Path, shared: _Shared, workers: Workers) -> None:
-    """Write a file for each kind of failure that has none yet."""
-    done = {str(each["kind"]) for each in read_failures(folder)}
-    todo = [(kind, failed.case) for kind, failed in campaign.kinds.items() if kind not in done][:MOST_KINDS]
+    """Write a file for each kind of failure."""
+    todo = [(kind, failed.case) for kind, failed in campaign.kinds.items()][:MOST_KINDS]
     if not todo:
         return
     the_folder(folder)
@@ -359,27 +298,9 @@ def _write_failures(campaign: Campaign, folder: Path, shared: _Shared, workers: 
             **case.as_json(), "words": case.words, "log": log,
         }  # fmt: skip
         path = folder / f"{numbers[kind] + 1:03}-{kind.partition(':')[0]}.json"
-        if os.path.lexists(path):
-            raise UsageError(
-                "This file is in the place of a failure report.", where=str(path), todo="Move it away."
-            )
         write_whole(path, (json.dumps(document, indent=1) + "\n").encode())
 
 
 def read_failures(folder: Path) -> list[dict[str, Any]]:
-    """Return the contents of the failure files in order, each with its path as ``file``; raises UsageError for any
-    other file.
-    """
-    found = []
-    for path in sorted(folder.glob("*.json")):
-        try:
-            with path.open("rb") as file:
-                document = _Failure.model_validate_json(file.read(LARGEST_BYTES), strict=True)
-        except (OSError, ValidationError):
-            raise UsageError(
-                "This is not a failure report of a campaign.",
-                where=str(path),
-                todo="Move it away: it is written again.",
-            ) from None
-        found.append(document.model_dump() | {"file": str(path)})
-    return found
+    """Return the contents of the failure files in order, each with its path as ``file``."""
+    return [json.loads(path.read_bytes()) | {"file": str(path)} for path in sorted(folder.glob("*.json"))]

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Annotated
-
-from pydantic import BaseModel, ConfigDict, Field, field_serializer
+from dataclasses import dataclass, field
 
 from end_effector_hal.control import network_of
 from end_effector_hal.description import Description
@@ -16,7 +14,6 @@ from timed_automata.monitor import Monitor
 from timed_automata.network import Edge, Process
 
 NONE = "nominal"
-Count = Annotated[int, Field(ge=0, lt=2**53)]
 
 
 class CoverageMap:
@@ -83,14 +80,13 @@ def _name(process: Process, edge: Edge) -> str:
     )
 
 
-class Reached(BaseModel):
-    """The reached edges, locations and pairs, as numbers of a `CoverageMap`; in a file they are sorted."""
+@dataclass
+class Reached:
+    """The reached edges, locations and pairs, as numbers of a `CoverageMap`."""
 
-    model_config = ConfigDict(extra="forbid")
-
-    edges: set[Count] = Field(default_factory=set)
-    locations: set[Count] = Field(default_factory=set)
-    pairs: set[Count] = Field(default_factory=set)
+    edges: set[int] = field(default_factory=set)
+    locations: set[int] = field(default_factory=set)
+    pairs: set[int] = field(default_factory=set)
 
     def beyond(self, other: Reached) -> Reached:
         """Return the part that another result has not reached."""
@@ -109,9 +105,9 @@ class Reached(BaseModel):
     def __bool__(self) -> bool:
         return bool(self.edges or self.locations or self.pairs)
 
-    @field_serializer("*")
-    def _sorted(self, numbers: set[int]) -> list[int]:
-        return sorted(numbers)
+    def as_json(self) -> dict[str, list[int]]:
+        """Return the numbers, sorted."""
+        return {name: sorted(numbers) for name, numbers in vars(self).items()}
 
 
 class Coverer:

@@ -110,9 +110,6 @@ COLUMNS = (
     "item", "function", "failure mode", "cause", "local effect", "effect on the part", "detection", "reaction",
     "time_s", "severity", "occurrence", "cells", "unexplained",
 )  # fmt: skip
-KEY, SIGNED = ("item", "function", "failure mode"), ("severity", "occurrence")
-SignedCells = Mapping[tuple[str, ...], tuple[str, ...]]
-"""Severity and occurrence by item, function and failure mode."""
 FUNCTIONS = {REST: "begin a grip", GRIP: "grip", HELD: "hold", RELEASE: "release"}
 ON_PART = {
     Outcome.AT_REST: "none is held",
@@ -129,33 +126,16 @@ ON_PART = {
 LET_GO = "falls: its device lets go when it hears nothing"
 
 
-def signed_cells(data: bytes | None) -> SignedCells:
-    """Return the cells that a person filled in in an earlier FMEA; empty if it cannot be read."""
-    try:
-        text = (data or b"").decode("utf-8-sig")  # some spreadsheets put a mark in front
-        separator = ";" if text.partition("\n")[0].count(";") >= len(KEY) else ","
-        rows = list(csv.DictReader(StringIO(text, newline=""), delimiter=separator))
-    except (ValueError, csv.Error):
-        return {}
-    found = {
-        tuple(row.get(name) or "" for name in KEY): tuple((row.get(name) or "").strip() for name in SIGNED)
-        for row in rows
-    }
-    return {key: signed for key, signed in found.items() if any(signed)}
-
-
 def fmea(
     description: Description,
     cells: Sequence[Cell],
     played: Mapping[str, Played],
-    signed: SignedCells | None = None,
 ) -> str:
     """Return the FMEA as CSV: a row for each fault and function, from the cells without a command.
 
     Args:
         cells: cells of the matrix.
         played: their results by id.
-        signed: severity and occurrence; empty cells without it.
     """
     groups: dict[tuple[str, str], list[tuple[Cell, Played]]] = {}
     for cell in cells:
@@ -167,7 +147,7 @@ def fmea(
     order = sorted(groups.items(), key=lambda each: PHASES.index(each[0][1]))
     faults = list(dict.fromkeys(cell.fault for cell in cells))
     for (fault, phase), group in sorted(order, key=lambda each: faults.index(each[0][0])):
-        table.writerow(_row(description, fault, phase, group, signed or {}))
+        table.writerow(_row(description, fault, phase, group))
     return text.getvalue()
 
 
@@ -176,7 +156,6 @@ def _row(
     fault: str,
     phase: str,
     group: Sequence[tuple[Cell, Played]],
-    signed: SignedCells,
 ) -> list[str | int]:
     cell, rows = group[0][0], [each for _, each in group]
     meaning = next(each.meaning for each in FAULTS if each.name == cell.name)
@@ -187,16 +166,18 @@ def _row(
     effects = sorted({LET_GO if each.let_go else ON_PART[each.outcome] for each in rows})
     times = f"told after {min(first):g} to {max(first):g}; " if first else ""
     effects_of = Effects(description, fault, phase, cell.moment.engaged, cell.moment.part)
-    key = (display_name(effects_of.fault.place) or "Whole tool", FUNCTIONS[phase], fault)
     return [
-        *key,
+        display_name(effects_of.fault.place) or "Whole tool",
+        FUNCTIONS[phase],
+        fault,
         meaning,
         effects_of.words,
         "; ".join(effects),
         next(iter(told.most_common(1)), ("none is needed: nothing is affected",))[0],
         "; ".join(f"{name} ({count})" for name, count in outcomes.most_common()),
         f"{times}last movement of a line after {longest:g}",
-        *signed.get(key, ("", "")),
+        "",
+        "",
         len(rows),
         sum(bool(each.objections) for each in rows),
     ]

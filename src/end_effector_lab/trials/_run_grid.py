@@ -1,40 +1,24 @@
-"""Plays the cells of a grid on all workers, or one of them as a recording; results are stored at once, so that a
-stopped grid can continue.
-"""
+"""Plays the cells of a grid on all workers, or one of them as a recording."""
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from pydantic import ConfigDict, TypeAdapter
-
-from end_effector_hal.cli import the_folder
 from end_effector_hal.control import Status
 from end_effector_hal.description import Description
-from end_effector_hal.errors import UsageError, os_errors
-from end_effector_hal.recording import Moment, Recording, read_run
+from end_effector_hal.recording import Moment, Recording
 from end_effector_hal.signals import Frame
-from end_effector_lab.results import ResultsFolder, ResultsLayout, mark_of
+from end_effector_lab.results import append_line
 from end_effector_lab.workers import ShippedAutomata, Workers
 
 from ._case import KILL, NOMINAL, SCENARIO, START, Outcome
 from ._grid import Cell
 from ._play import Trial, no_log, play_case
 
-FMEA, PAGE, FIGURES = "fmea.csv", "report.html", "report.json"
-LAYOUT = ResultsLayout(
-    "matrix",
-    "matrix.json",
-    "cells.jsonl",
-    "Remove the line: its cell is played again.",
-    (PAGE, FIGURES, FMEA),
-)
+FMEA, PAGE, FIGURES, CELLS = "fmea.csv", "report.html", "report.json", "cells.jsonl"
 
 
 @dataclass(frozen=True)
@@ -51,8 +35,6 @@ class Played:
         let_go: the same, because its device receives nothing, as its description declares (`on_link_loss`).
     """
 
-    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)
-
     id: str
     outcome: Outcome
     seconds: float
@@ -62,9 +44,6 @@ class Played:
     objections: tuple[str, ...] = ()
     dropped: bool = False
     let_go: bool = False
-
-
-_SHAPE = TypeAdapter(Played)
 
 
 def play(description: Description, cell: Cell) -> Played:
@@ -104,103 +83,41 @@ def _texts(status: Status) -> tuple[str, ...]:
     return (*status.alarm_texts, status.reason, status.changer_reason)
 
 
-def matrix_folder(description: Description, folder: Path) -> ResultsFolder:
-    """Return the results folder of a grid; raises UsageError if it cannot be used or belongs to other results."""
-    return ResultsFolder(folder, LAYOUT, mark_of(description))
-
-
 def play_all(
     description: Description,
     cells: Sequence[Cell],
-    results: ResultsFolder,
     *,
     workers: Workers,
+    lines: Path | None = None,
     on_progress: Callable[[int, int], None] = lambda _, __: None,
 ) -> dict[str, Played]:
-    """Play the cells that were not played yet; return all results by id, in the order of the grid.
+    """Play cells, and return the results by id, in the order of the grid.
 
     Args:
         cells: cells of the grid.
-        results: the earlier results for this tool.
         workers: play the cells.
+        lines: file to which each result is appended, JSON lines.
         on_progress: called with the number of played cells and the total.
 
     Raises:
-        UsageError: a stored line does not fit, or a result cannot be stored.
+        UsageError: a result cannot be stored.
         WorkersError: the workers cannot be reached or do not fit, or some cells were not played.
     """
-    done = results.by_key(_SHAPE, lambda each, _: each.id, "cell")
-    todo = [cell for cell in cells if cell.id not in done]
-    on_progress(len(cells) - len(todo), len(cells))
+    done: dict[str, Played] = {}
+    on_progress(0, len(cells))
     shared = description, ShippedAutomata.read(description)
-    for number, (cell, played) in enumerate(workers.each(_play, shared, todo), start=1):
+    for number, (cell, played) in enumerate(workers.each(_play, shared, cells), start=1):
         done[cell.id] = played
-        results.append(asdict(played))
-        on_progress(len(cells) - len(todo) + number, len(cells))
-    return {cell.id: done[cell.id] for cell in cells if cell.id in done}
+        if lines is not None:
+            append_line(lines, asdict(played))
+        on_progress(number, len(cells))
+    return {cell.id: done[cell.id] for cell in cells}
 
 
 def _play(shared: tuple[Description, ShippedAutomata], cell: Cell) -> Played:
     description, automata = shared
     with no_log():
         return play(automata.of(description), cell)
-
-
-TIMELINE = "timeline.png"
-_WRITTEN = (
-    "run.json",
-    "states.csv",
-    "events.csv",
-    "pressures.csv",
-    "switches.csv",
-    "tool_changer.csv",
-    "parts.csv",
-    "alarms.csv",
-    TIMELINE,
-)
-
-
-@contextmanager
-def cell_folder(folder: Path) -> Iterator[Path]:
-    """Yield an empty folder for a cell; its files replace those of the cell in ``folder``, unless an error is raised.
-
-    Raises:
-        UsageError: ``folder`` is no folder, or holds a file of another program; then nothing of it is changed.
-    """
-    _check_folder(folder)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=the_folder(folder.parent)) as name:
-        new = Path(name)
-        yield new
-        _check_folder(the_folder(folder))
-        with os_errors("The folder cannot be replaced", folder):
-            for written in _WRITTEN:  # run.json first: it shows that the folder is ours
-                if (new / written).exists():
-                    (new / written).replace(folder / written)
-                else:
-                    (folder / written).unlink(missing_ok=True)
-
-
-def _check_folder(folder: Path) -> None:
-    todo = "Move it away, or name another folder with -o."
-    if not os.path.lexists(folder):
-        return
-    if folder.is_symlink() or not folder.is_dir():
-        raise UsageError("This is not a folder.", where=str(folder), todo=todo)
-    with os_errors("The folder cannot be read", folder):
-        found = sorted(os.scandir(folder), key=lambda each: each.name)
-    other = [
-        each.name for each in found if each.name not in _WRITTEN or not each.is_file(follow_symlinks=False)
-    ]
-    if other:
-        raise UsageError(
-            f"The folder contains {other[0]!r}, which no cell of a matrix wrote.",
-            where=str(folder),
-            todo=todo,
-        )
-    if found and " @ " not in read_run(folder).scenario:  # no scenario of a testbench contains it
-        raise UsageError(
-            "The folder contains a recording that no cell of a matrix wrote.", where=str(folder), todo=todo
-        )
 
 
 def disturbances(cell: Cell) -> tuple[Moment, ...]:

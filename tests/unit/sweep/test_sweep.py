@@ -6,7 +6,6 @@ import csv
 import json
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -124,56 +123,6 @@ def test_the_command_writes_a_table_and_json(tmp_path: Path) -> None:
     ]
     rows = list(csv.DictReader(StringIO((tmp_path / "sweep.csv").read_text())))
     assert [row["verdict"] for row in rows] == ["fails", "refused"]
-
-
-def prove(folder: Path, *axes: str) -> tuple[list[dict[str, Any]], str]:
-    """Combinations, and what was said."""
-    given = [each for axis in axes for each in ("--sweep", axis)]
-    result = CliRunner().invoke(command, [str(TOOL), *given, "--jobs", "1", "--json", "-o", str(folder)])
-    if isinstance(result.exception, ReportedError):
-        return [], str(result.exception)
-    return json.loads(result.output)["combinations"], ""
-
-
-@pytest.mark.thinned  # long
-def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder, proofs = tmp_path / "sweep", list[object]()
-    monkeypatch.setattr(
-        "end_effector_lab.sweep.prove_tool", lambda *given: (proofs.append(given), prove_tool(*given))[1]
-    )
-    whole, _ = prove(folder, f"{TIMEOUT}=2", f"{GRIP}=5,100")
-    assert len(proofs) == 2
-    lines = (folder / "combinations.jsonl").read_bytes().splitlines(keepends=True)
-    (folder / "combinations.jsonl").write_bytes(lines[0] + lines[1][:40])  # killed while it wrote
-    again, _ = prove(folder, f"{TIMEOUT}=2", f"{GRIP}=5,100")
-    assert len(proofs) == 3
-    for each in whole + again:
-        each.pop("seconds")
-    assert again == whole
-    wider, _ = prove(folder, f"{TIMEOUT}=2", f"{GRIP}=100,90")
-    assert len(proofs) == 4
-    assert [each["values"][GRIP] for each in wider] == ["100", "90"]
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ('"values"', '"value"', "not a result of this sweep"),
-        (TIMEOUT, GRIP, "of other keys"),
-        ('"holds": false', '"holds": true', "something speaks against it"),
-    ],
-)
-def test_a_line_that_does_not_fit_is_refused(tmp_path: Path, old: str, new: str, said: str) -> None:
-    prove(tmp_path, f"{TIMEOUT}=0")
-    file = tmp_path / "combinations.jsonl"
-    assert old in file.read_text()
-    file.write_text(file.read_text().replace(old, new))
-    assert said in prove(tmp_path, f"{TIMEOUT}=0")[1]
-
-
-def test_a_folder_of_another_sweep_is_refused(tmp_path: Path) -> None:
-    prove(tmp_path, f"{TIMEOUT}=0")
-    assert "the sweep of another set of keys" in prove(tmp_path, f"{GRIP}=0")[1]
 
 
 @pytest.mark.parametrize(

@@ -23,11 +23,9 @@ from end_effector_lab.trials import (
     case_from_words,
     play_case,
     play_on_processes,
-    read_failures,
-    run_campaign,
 )
-from end_effector_lab.trials._campaign import KeptRun
-from end_effector_lab.workers import LocalWorkers
+from end_effector_lab.trials._campaign import PlayedRun
+from end_effector_lab.trials._coverage import Reached
 from tests.support.places import ROOT
 from tests.unit.trials.mutants import MUTANTS
 
@@ -145,15 +143,12 @@ def test_edges_that_are_switched_off_do_not_count() -> None:
 def test_cases_are_drawn_from_what_was_kept() -> None:
     source, campaign = CaseSource(SHIPPED), Campaign(5, KNOWN)
     kept = case_from_words("grip; wait 1.234567; kill hal", SHIPPED)
-    line = {"grips": 1, "s": 1.0, "case": kept.as_json(), "moments": [77_000], "new": {
-        "edges": [1], "locations": [2], "pairs": [3],
-    }}  # fmt: skip
+    first = PlayedRun(0, 1, 1.0, kept, (77_000,), Reached({1}, {2}, {3}))
     assert campaign.may_draw(16)
     assert not campaign.may_draw(17)
     before = campaign.draw(16, source)
     for run in range(64):
-        found = ({} if run else line) | {"run": run, "grips": 1, "s": 1.0}
-        campaign.add(KeptRun.model_validate(found), SHIPPED)
+        campaign.add(PlayedRun(run, 1, 1.0, None) if run else first)
     assert campaign.draw(16, source) == before  # it is drawn from what was there for it
     drawn = [campaign.draw(run, source) for run in range(17, 80)]
     assert sum(any(each.what == "kill hal" for each in case.happenings) for case in drawn) > 15
@@ -178,71 +173,21 @@ def run(*arguments: str) -> tuple[int, str]:
     return result.exit_code, result.output
 
 
-def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
-    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
-    code, printed = run("--runs", "4", "--jobs", "1", "-o", str(whole), "--json")
-    found = json.loads(printed.splitlines()[-1])
-    assert (code, found["runs"], found["failures"]) == (0, 4, 0)
-    assert int(found["edges"].split("/")[0]) > 20
-    kept = (whole / "runs.jsonl").read_text()
-    stopped.mkdir()
-    (stopped / "campaign.json").write_text((whole / "campaign.json").read_text())
-    lines = kept.splitlines(keepends=True)
-    (stopped / "runs.jsonl").write_text("".join(lines[:2]) + lines[2][:30])  # killed in the middle of a line
-    assert (
-        json.loads(run("--runs", "4", "--jobs", "2", "-o", str(stopped), "--json")[1].splitlines()[-1])
-        == found
-    )
-    assert (stopped / "runs.jsonl").read_text() == kept
-    unreached = json.loads((stopped / "unreached.json").read_text())
-    assert len(unreached["edges"]) == len(KNOWN.edges) - int(found["edges"].split("/")[0])
+def test_the_same_seed_gives_the_same_runs_in_a_new_folder(tmp_path: Path) -> None:
+    found, runs = [], []
+    for jobs in ("1", "2"):
+        folder = tmp_path / jobs
+        code, printed = run("--runs", "4", "--jobs", jobs, "-o", str(folder), "--json")
+        found.append(json.loads(printed.splitlines()[-1]))
+        runs.append((folder / "runs.jsonl").read_text())
+        assert (code, found[0]["runs"], found[0]["failures"]) == (0, 4, 0)
+    assert (found[0], runs[0]) == (found[1], runs[1])
+    assert int(found[0]["edges"].split("/")[0]) > 20
+    unreached = json.loads((folder / "unreached.json").read_text())
+    assert len(unreached["edges"]) == len(KNOWN.edges) - int(found[0]["edges"].split("/")[0])
     assert set(unreached["edge_faults"]) == set(KNOWN.faults)
-
-
-def test_a_folder_of_another_seed_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "campaign.json").write_text('{"tool": "another"}')
-    result = CliRunner().invoke(command, ["--runs", "1", "-o", str(tmp_path)])
-    assert "another tool" in str(result.exception)
-
-
-RUN = {"run": 0, "grips": 0, "s": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("line", "what"),
-    [
-        ({"another": 1}, "run: Field required"),
-        ([], "object"),
-        (RUN | {"run": 1}, "run 0 is the next one"),
-        (RUN | {"run": True}, "run"),
-        (RUN | {"moments": [1]}, "do not stand together"),
-        (
-            RUN | {"case": {"seed": 0, "happenings": []}, "failures": {"a": "b"}},
-            "not the one that seed 0 gives",
-        ),
-        (RUN | {"case": {"seed": 0, "happenings": [["1", "grip"]]}, "failures": {"a": "b"}}, "not a case"),
-        (
-            RUN | {"case": {}, "moments": [], "new": {"edges": [9999], "locations": [], "pairs": []}},
-            "what this tool does not have",
-        ),
-    ],
-)
-def test_a_line_that_is_of_no_run_is_refused(line: object, what: str, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=what) as error:
-        _campaign_over(tmp_path, json.dumps(line))
-    assert error.value.where == f"{tmp_path / 'runs.jsonl'}:1"
-
-
-def test_a_file_of_failures_that_is_none_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "001.json").write_text("[]")
-    with pytest.raises(UsageError, match="not a failure report"):
-        read_failures(tmp_path)
-
-
-def _campaign_over(folder: Path, line: str) -> None:
-    run_campaign(SHIPPED, folder, LocalWorkers(1), seed=0, go_on=lambda *_: False)
-    (folder / "runs.jsonl").write_text(line + "\n")
-    run_campaign(SHIPPED, folder, LocalWorkers(1), seed=0, go_on=lambda *_: False)
+    refused = CliRunner().invoke(command, ["--runs", "1", "-o", str(folder)])
+    assert "This folder is not empty: it holds 'runs.jsonl'." in str(refused.exception)
 
 
 def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
