@@ -38,11 +38,6 @@ MOST_LISTED, MOST_SHOWN = 20, 5000
 )
 @seed_option(default=0, help="Seed of all cases: the same seed gives the same runs.  [default: 0]")
 @click.option("--play", "file", metavar="FILE", type=PathName(), help="Play the case in FILE only.")
-@click.option(
-    "--processes",
-    is_flag=True,
-    help="With --play: on real processes and in real time, with `eehal testbench` at the other end of the wires.",
-)
 def command(
     tool: Path | None,
     output: Path,
@@ -52,7 +47,6 @@ def command(
     jobs: int | None,
     scheduler: str | None,
     file: Path | None,
-    processes: bool,
     as_json: bool,
 ) -> None:
     """Play random sequences of commands, faults, deaths and restarts in virtual time, and judge each of them.
@@ -62,8 +56,7 @@ def command(
     edge of the automata, or an edge with a fault, for the first time are kept, and later runs are mutants of them.
 
     FOLDER receives runs.jsonl, unreached.json and, in failures/, the smallest case of each kind of failure, which
-    --play plays. Without TOOL: the shipped one. Exit code 4: a run has failed; with --processes: the case ended
-    differently than in virtual time.
+    --play plays. Without TOOL: the shipped one. Exit code 4: a run has failed.
     """
     from end_effector_hal.codecs import load_tool
     from end_effector_hal.description import profile_path
@@ -73,9 +66,7 @@ def command(
     if file is not None and (jobs or scheduler):
         raise UsageError("--play plays one case in this process.", todo="Leave --jobs and --scheduler out.")
     if file is not None:
-        raise SystemExit(_play(description, file, output, processes=processes, as_json=as_json))
-    if processes:
-        raise UsageError("--processes plays one case.", todo="Name its file with --play FILE.")
+        raise SystemExit(_play(description, file, as_json=as_json))
     limit = runs or (None if seconds else RUNS)
     with open_workers(scheduler, jobs) as workers:  # first of all: a scheduler may not be there
         raise SystemExit(_run(description, output, limit, seconds, seed, workers, as_json=as_json))
@@ -134,32 +125,18 @@ def _run(
     return 4 if found["failures"] else 0
 
 
-def _play(description: Description, file: Path, output: Path, *, processes: bool, as_json: bool) -> int:
-    from end_effector_lab.trials import no_log, play_case, play_on_processes, read_case
+def _play(description: Description, file: Path, *, as_json: bool) -> int:
+    from end_effector_lab.trials import no_log, play_case, read_case
 
     case = read_case(file, description)
     with no_log():
         played = play_case(description, case)
-    real = None
-    if processes:
-        with Progress("On real processes", shown=not as_json):
-            real = play_on_processes(description, case, output / "processes", lasts_s=played.lasted_s)
-    same = real is None or real == played.end
     if as_json:
-        found = case.as_json() | played.as_json()
-        print_document(found | ({"processes": real._asdict(), "same": same} if real else {}))
+        print_document(case.as_json() | played.as_json())
     else:
         for line in played.log():
             click.echo(line)
         for what in played.failures.values():
             click.echo(f"failed: {what}")
-        click.echo(
-            f"it ended: {played.end}" if played.failures else f"nothing is wrong; it ended: {played.end}"
-        )
-        if real is not None:
-            click.echo(
-                f"on real processes {'the same' if same else f'it moved {real.moved}, and ended: {real}'}"
-            )
-    if real is not None:
-        return 0 if same else 4
+        click.echo(f"{'' if played.failures else 'nothing is wrong; '}it ended: {played.end}")
     return 4 if played.failures else 0

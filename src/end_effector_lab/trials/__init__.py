@@ -18,7 +18,6 @@ from ._draw import CaseSource, shrunk_by
 from ._effects import GRIP, HELD, RELEASE, REST, Effects, FaultWords
 from ._grid import COMMANDS, Cell, Moment, cells_of, moments, thinned
 from ._play import no_log, play_case
-from ._processes import play_on_processes
 from ._report import figures, fmea, let_go, page
 from ._run_grid import (
     CELLS,

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from end_effector_hal.description import load, profile_path
-from end_effector_lab.trials import case_from_words, play_case, play_on_processes
+from end_effector_lab.trials import case_from_words, play_case
+from tests.support.on_processes import play_on_processes
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
 SHIPPED = load(profile_path())

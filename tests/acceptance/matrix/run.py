@@ -21,7 +21,8 @@ import click
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.description import Description, profile_path
 from end_effector_hal.errors import ReportedError
-from end_effector_lab.trials import Cell, cells_of, moments, no_log, play_case, play_on_processes
+from end_effector_lab.trials import Cell, cells_of, moments, no_log, play_case
+from tests.support.on_processes import play_on_processes
 
 RANDOM = {
     "noise",

@@ -12,7 +12,6 @@ from click.testing import CliRunner
 from end_effector_hal.codecs import load_tool
 from end_effector_hal.control import Status
 from end_effector_hal.description import load, profile_path
-from end_effector_hal.errors import UsageError
 from end_effector_hal.runtime.outputs import OutputMapping
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.commands._campaign import command
@@ -22,7 +21,6 @@ from end_effector_lab.trials import (
     CoverageMap,
     case_from_words,
     play_case,
-    play_on_processes,
 )
 from end_effector_lab.trials._campaign import PlayedRun
 from end_effector_lab.trials._coverage import Reached
@@ -202,20 +200,10 @@ def test_the_command_plays_a_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert "held" in json.loads(printed)["failures"]
 
 
-@pytest.mark.parametrize("what", ["disk journal full", "power"])
-def test_what_has_no_counterpart_is_not_played_on_processes(what: str, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="in virtual time only"):
-        play_on_processes(SHIPPED, case_from_words(f"grip; {what}", SHIPPED), tmp_path)
-
-
 def test_one_case_is_played_by_nobody_else(tmp_path: Path) -> None:
     (tmp_path / "case").write_text("grip")
     arguments = ["--play", str(tmp_path / "case"), "--scheduler", "tcp://127.0.0.1:8786"]
     assert "Leave --jobs and --scheduler out" in str(CliRunner().invoke(command, arguments).exception)
-
-
-def test_processes_without_a_case_are_refused() -> None:
-    assert "--play FILE" in str(CliRunner().invoke(command, ["--processes"]).exception)
 
 
 @pytest.mark.parametrize("words", ["grip; power", "grip; wait 3; power"])

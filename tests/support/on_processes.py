@@ -20,10 +20,21 @@ from end_effector_hal.wires.lines import ChipLog
 from end_effector_hal.wires.lines import Edge as LineEdge
 from end_effector_lab.demo import World
 from end_effector_lab.processes import EEHAL, Child
+from end_effector_lab.trials import Case
+from end_effector_lab.trials._case import (
+    ARBITER,
+    COMMANDS,
+    DISK,
+    END,
+    HAL,
+    KILL,
+    POWER,
+    SCENARIO,
+    START,
+    CaseEnd,
+)
+from end_effector_lab.trials._play import AT_REST, processes
 from end_effector_lab.virtual import Edge, switchings
-
-from ._case import ARBITER, COMMANDS, DISK, END, HAL, KILL, POWER, SCENARIO, START, Case, CaseEnd
-from ._play import AT_REST, processes
 
 START_S, POLL_S, AGAIN_S, STILL_S = 60.0, 0.05, 0.3, 1.0
 
@@ -44,7 +55,7 @@ def play_on_processes(description: Description, case: Case, folder: Path, *, las
         if each.verb in (DISK, POWER):
             raise UsageError(
                 f"{each.what!r} is played in virtual time only: it would be a machine of its own.",
-                todo="Leave out --processes.",
+                todo="Leave it out.",
             )
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.log"):
