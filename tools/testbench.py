@@ -47,7 +47,6 @@ def command(description: Path, scenario: str, events: Path, lines: str, port: st
         verbose=False,
         as_json=False,
         events=events,
-        record=None,
         for_pages=False,
     )
 

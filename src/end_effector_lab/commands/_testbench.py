@@ -66,7 +66,6 @@ def _faults(context: click.Context) -> Iterable[str]:
 )
 @click.option("--power-cycle", is_flag=True, help="Reset the virtual chip: all lines become inputs.")
 @click.option("--events", metavar="FILE", type=PathName(), help="Write edges and frames, JSON lines.")
-@click.option("--record", metavar="FILE", type=PathName(), help="Write the true sensor values, CSV.")
 @click.option("--verbose", is_flag=True, help="Print each edge.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(
@@ -80,7 +79,6 @@ def command(
     prepare: Path | None,
     power_cycle: bool,
     events: Path | None,
-    record: Path | None,
     verbose: bool,
     as_json: bool,
 ) -> None:
@@ -120,7 +118,6 @@ def command(
         verbose=verbose,
         as_json=as_json,
         events=events,
-        record=record,
         # with other ends than those of the description it stands before another tool than a page of this one
         for_pages=lines is None and port is None,
     )

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, closing, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -17,7 +17,7 @@ from typing import Any
 
 from end_effector_hal.cli import json_text
 from end_effector_hal.description import Description
-from end_effector_hal.errors import ReportedError, UsageError
+from end_effector_hal.errors import ReportedError, UsageError, os_errors
 from end_effector_hal.signals import Value
 from end_effector_hal.wires import PipedLines
 from end_effector_hal.wires.lines import Edge
@@ -44,14 +44,12 @@ def run_testbench(
     verbose: bool,
     as_json: bool,
     events: Path | None,
-    record: Path | None,
     for_pages: bool = False,
 ) -> None:
     """Run a `Testbench` in the main thread until SIGTERM, SIGINT, SIGHUP or the command ``quit``.
 
     It prints ``ready: …`` when it reads lines and sends frames, and every edge if ``verbose``; it reads commands from
-    standard input (`Commands`), and writes the files of `Events` and `Record`; with ``for_pages`` it has a
-    `FaultServer`.
+    standard input (`Commands`), and writes the file of `Events`; with ``for_pages`` it has a `FaultServer`.
 
     Raises:
         UsageError: an argument cannot be used.
@@ -60,8 +58,7 @@ def run_testbench(
     voice = Voice(as_json=as_json)
     with ExitStack() as stack:
         written = stack.enter_context(closing(Events(events))) if events else None
-        recorded = stack.enter_context(closing(Record(record))) if record else None
-        mail = Mail(voice if verbose else None, written, recorded)
+        mail = Mail(voice if verbose else None, written)
         stack.enter_context(_signals(mail.end))
 
         def chosen(text: str) -> None:
@@ -126,11 +123,10 @@ class Mail(Watcher):
     Args:
         voice: prints every edge; None: no edge is printed.
         events: file for edges and frames.
-        record: file for frames.
     """
 
-    def __init__(self, voice: Voice | None, events: Events | None, record: Record | None) -> None:
-        self._voice, self._events, self._record = voice, events, record
+    def __init__(self, voice: Voice | None, events: Events | None) -> None:
+        self._voice, self._events = voice, events
         self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self.ended = False
         self.error: ReportedError | None = None
@@ -145,8 +141,6 @@ class Mail(Watcher):
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
         if events := self._events:
             self.post(lambda: events.frame(at, seq, values, sent))
-        if record := self._record:
-            self.post(lambda: record.frame(at, values))
 
     def failed(self, error: ReportedError) -> None:
         self.error = error
@@ -235,46 +229,23 @@ class Commands:
             self._voice.refuse(str(error))
 
 
-class TextFile:
-    """A text file that is flushed after every line: a kill loses at most the last line.
+class Events:
+    """JSON lines: ``{"at", "seen", "line", "level"}`` for an edge, ``{"at", "frame", "sent", "values"}`` for a frame.
+
+    ``at`` is monotonic µs: for an edge the time of its writer (``seen``: the time in the testbench), for a frame its
+    last byte. The file is flushed after every line: a kill loses at most the last line.
 
     Args:
         path: path of the file; an existing file is replaced.
 
     Raises:
-        UsageError: the file cannot be written.
+        UsageError: the file cannot be written; the methods raise it too.
     """
 
     def __init__(self, path: str | Path) -> None:
         self._path = path
-        try:
+        with self._errors():
             self._file = Path(path).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 close() ends it
-        except OSError as error:
-            raise self._error(error) from error
-
-    def write(self, line: str) -> None:
-        """Write a line; raises UsageError if the disk is full."""
-        try:
-            self._file.write(line + "\n")
-        except OSError as error:
-            raise self._error(error) from error
-
-    def close(self) -> None:
-        with suppress(OSError):  # said already
-            self._file.close()
-
-    def _error(self, error: OSError) -> UsageError:
-        return UsageError(
-            f"it cannot be written: {error.strerror}.", where=str(self._path), todo="Give another path."
-        )
-
-
-class Events(TextFile):
-    """JSON lines: ``{"at", "seen", "line", "level"}`` for an edge, ``{"at", "frame", "sent", "values"}`` for a frame.
-
-    ``at`` is monotonic µs: for an edge the time of its writer (``seen``: the time in the testbench), for a frame its
-    last byte.
-    """
 
     def line(self, name: str, level: bool, at: int, seen: int) -> None:
         self._entry(at=at, seen=seen, line=name, level=int(level))
@@ -282,8 +253,16 @@ class Events(TextFile):
     def frame(self, at: int, seq: int, values: Mapping[str, Value], sent: bool) -> None:
         self._entry(at=at, frame=seq, sent=sent, values=dict(values))
 
+    def close(self) -> None:
+        with suppress(OSError):  # said already
+            self._file.close()
+
     def _entry(self, **fields: object) -> None:
-        self.write(json.dumps(fields, separators=(",", ":")))
+        with self._errors():
+            self._file.write(json.dumps(fields, separators=(",", ":")) + "\n")
+
+    def _errors(self) -> AbstractContextManager[None]:
+        return os_errors("it cannot be written", self._path, todo="Give another path.")
 
 
 def edges_of(path: str | Path) -> list[Edge]:
@@ -293,24 +272,3 @@ def edges_of(path: str | Path) -> list[Edge]:
     return [
         Edge(each["at"], each["line"], "out", bool(each["level"]), 0) for each in entries if "line" in each
     ]
-
-
-class Record(TextFile):
-    """CSV of the real values of all sensors, frame by frame, including silent or disturbed links.
-
-    ``time_s`` since the start, then a column per channel: gauge kPa, or 0 and 1; empty: marked as invalid.
-    """
-
-    _start: int | None = None
-
-    def frame(self, at: int, values: Mapping[str, Value]) -> None:
-        if self._start is None:
-            self._start = at
-            self.write(",".join(["time_s", *values]))
-        self.write(",".join([f"{(at - self._start) / 1e6:.6f}", *map(_cell, values.values())]))
-
-
-def _cell(value: Value) -> str:
-    if value is None:
-        return ""
-    return str(int(value)) if isinstance(value, bool) else f"{value / 1000:.3f}"

@@ -72,7 +72,7 @@ def wait_for(frames: Queue[Frame], condition: Callable[[Frame], bool]) -> Frame:
 
 
 def test_lines_in_frames_out(start: Start, tmp_path: Path) -> None:
-    process = start("--verbose", "--events", f"{tmp_path}/events", "--record", f"{tmp_path}/record")
+    process = start("--verbose", "--events", f"{tmp_path}/events")
     assert line(process) == (
         f"ready: verdin_gripper, scenario nominal, seed 0, lines virtual:{tmp_path}/chip, port {tmp_path}/uart, "
         "ees1-ascii at 50 Hz"
@@ -108,10 +108,7 @@ def test_lines_in_frames_out(start: Start, tmp_path: Path) -> None:
     edges = [(entry["line"], entry["level"]) for entry in entries if "line" in entry]
     assert edges[-3:] == [("SODIMM_208", 1), ("SODIMM_210", 1), ("SODIMM_212", 1)]
     assert all(0 <= entry["seen"] - entry["at"] < 5_000_000 for entry in entries if "line" in entry)
-    sent = [entry for entry in entries if "frame" in entry]
-    rows = (tmp_path / "record").read_text().splitlines()
-    assert rows[0].split(",")[0] == "time_s"
-    assert len(rows) == len(sent) + 1
+    assert any("frame" in entry for entry in entries)
 
 
 def test_a_bench_started_anew_finds_what_is_held(start: Start, tmp_path: Path) -> None:

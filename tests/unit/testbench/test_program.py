@@ -18,7 +18,7 @@ from end_effector_hal.wires import inputs as board
 from end_effector_hal.wires.lines import VirtualLines, read_chip
 from end_effector_lab.commands._testbench import command
 from end_effector_lab.testbench import open_inputs, write_virtual_copy
-from end_effector_lab.testbench._program import Commands, Events, Mail, Record, Voice
+from end_effector_lab.testbench._program import Commands, Events, Mail, Voice
 from end_effector_lab.testbench.inputs import VirtualInputs
 from tests.support.places import ROOT
 
@@ -66,21 +66,19 @@ def test_json(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_nothing_is_done_before_it_is_delivered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    events, record = Events(tmp_path / "events"), Record(tmp_path / "record")
-    mail = Mail(Voice(), events, record)
+    events = Events(tmp_path / "events")
+    mail = Mail(Voice(), events)
     mail.line("SODIMM_208", True, 1_500_000, 1_500_100)
     mail.frame(1_520_000, 1, {"bottom": -5}, True)
-    assert (tmp_path / "events").read_text() == (tmp_path / "record").read_text() == ""
+    assert (tmp_path / "events").read_text() == ""
     mail.deliver()
     assert capsys.readouterr().out == "1.500000 SODIMM_208 active\n"
     assert len((tmp_path / "events").read_text().splitlines()) == 2
-    assert (tmp_path / "record").read_text() == "time_s,bottom\n0.000000,-0.005\n"
-    for each in (events, record):
-        each.close()
+    events.close()
 
 
 def test_what_is_posted_in_a_thread_is_done_in_its_order_until_the_end() -> None:
-    mail, done = Mail(Voice(), None, None), list[int]()
+    mail, done = Mail(Voice(), None), list[int]()
 
     def post() -> None:
         for number in range(1000):
@@ -96,7 +94,7 @@ def test_what_is_posted_in_a_thread_is_done_in_its_order_until_the_end() -> None
 
 
 def test_a_signal_ends_it_while_it_waits() -> None:
-    mail = Mail(Voice(), None, None)
+    mail = Mail(Voice(), None)
     before = signal.signal(signal.SIGUSR1, lambda *_: mail.end())
     main = threading.main_thread().ident
     assert main

@@ -12,7 +12,7 @@ import pytest
 from end_effector_hal.errors import UsageError
 from end_effector_lab.testbench import Scenario
 from end_effector_lab.testbench._noise import LONGEST_BURST, Noise, disturbed
-from end_effector_lab.testbench._program import Events, Record
+from end_effector_lab.testbench._program import Events
 
 DATA = bytes(10_000)
 
@@ -88,16 +88,6 @@ def test_events(tmp_path: Path) -> None:
         {"at": 200, "frame": 7, "sent": False, "values": {"bottom": -5, "locked": True, "top": None}},
     ]
     events.close()
-
-
-def test_record(tmp_path: Path) -> None:
-    record = Record(tmp_path / "record")
-    record.frame(1_000_000, {"bottom": -78_250, "top": None, "locked": True})
-    record.frame(1_020_000, {"bottom": 0, "top": 1, "locked": False})
-    record.close()
-    assert (tmp_path / "record").read_text() == (
-        "time_s,bottom,top,locked\n0.000000,-78.250,,1\n0.020000,0.000,0.001,0\n"
-    )
 
 
 def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
