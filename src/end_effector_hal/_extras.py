@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
+from typing import Any
 
 from end_effector_hal.errors import MissingExtraError
 
@@ -45,6 +47,11 @@ def lab_installed() -> bool:
     with suppress(ModuleNotFoundError):
         return all(map(find_spec, _LAB))
     return False
+
+
+def lab(module: str) -> Any:
+    """Return a module of `end_effector_lab`, which uses this package; what it needs may not be installed."""
+    return import_module(f"end_effector_lab.{module}")
 
 
 def lab_needed(what: str) -> MissingExtraError:

@@ -109,14 +109,6 @@ class Plugins(Generic[Plugin]):
         return found
 
 
-def a_function(found: Any) -> Callable[..., Any]:
-    """Return what an entry point names; raises UsageError if it is no function."""
-    if not callable(found):
-        raise UsageError("it is not a function.")
-    function: Callable[..., Any] = found
-    return function
-
-
 class PluginError(UsageError):
     """A class of another distribution raised an exception, or returned a value that is not allowed."""
 

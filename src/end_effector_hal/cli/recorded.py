@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from end_effector_hal._extras import command_for
-from end_effector_hal.errors import MissingExtraError, UsageError, os_errors
-from end_effector_hal.plugins import Plugins, a_function
+from end_effector_hal._extras import lab
+from end_effector_hal.errors import UsageError, os_errors
 
 from ._options import PathName
 
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 
 TRACE, BAGS = ".mcap", (".bag", ".active", ".db3")
 TABLE, OF_BAG = "states.csv", "metadata.yaml"
-GROUP, NAME = "end_effector_hal.bags", "lab"
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -53,9 +51,6 @@ def recording_options(command: Command) -> Command:
     ):
         command = option(command)
     return command
-
-
-_BAG_READERS = Plugins(GROUP, "bag reader", {}, a_function, make=False)
 
 
 def is_recording(path: Path) -> bool:
@@ -131,14 +126,10 @@ def _tool(path: Path, description: Path | None) -> Description:
 def _bag(path: Path, description: Path | None) -> RecordedTables:
     from end_effector_hal.page.recorded import RecordedTables
 
-    if NAME not in _BAG_READERS.names:
-        raise MissingExtraError(
-            "The package that reads bags is not installed.", todo=f"Install it: {command_for('bags')}."
-        )
     tool = _tool(path, description)
     made = Path(mkdtemp(prefix="eehal-bag-"))
     atexit.register(shutil.rmtree, made, ignore_errors=True)
-    found = _BAG_READERS.get(NAME)(path, made / "recording", tool)
+    found = lab("bags").record_bag(path, made / "recording", tool)
     return RecordedTables(made / "recording", tool, path.resolve().name, (*found.notes, *found.faults))
 
 

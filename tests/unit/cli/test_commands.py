@@ -71,8 +71,6 @@ POINTS = """\
 absent = nowhere:command
 wrong = json:dumps
 good = added_command:command
-[end_effector_hal.figures]
-absent = nowhere:figures
 """
 COMMAND = """\
 import click

@@ -248,7 +248,7 @@ def test_the_core_loads_no_wires(module: str) -> None:
 # A plug-in whose import does not end disturbs nobody who does not use it.
 
 
-GROUPS = ("codecs", "kinds", "physics", "commands", "figures", "simulation", "bags", "sweep")
+GROUPS = ("codecs", "kinds", "physics", "commands")
 
 
 @pytest.fixture

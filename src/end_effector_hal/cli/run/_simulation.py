@@ -1,74 +1,30 @@
-"""Runs a tool without hardware by means of the development tools, which a robot does not need; an entry point names
-them.
-"""
+"""Runs a tool without hardware by means of the development tools, which a robot does not need."""
 
 from __future__ import annotations
 
 import signal
 from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any
 
-from end_effector_hal._extras import lab_installed, lab_needed
-from end_effector_hal.plugins import Plugins, a_function
+from end_effector_hal._extras import lab, lab_installed, lab_needed
 
 if TYPE_CHECKING:
     from end_effector_hal.description import Description
 
-GROUP = "end_effector_hal.simulation"
-NAME = "lab"
-
-
-class SimulatedHardware(Protocol):
-    """Running virtual lines, with the testbench at their other end and the line arbiter."""
-
-    description: Description
-    """The description of the tool on these lines."""
-
-    def choose(self, bench: str, /) -> None:
-        """Select another scenario at the testbench; raises UsageError if it is refused, and then nothing changes."""
-        ...
-
-
-class Simulation(Protocol):
-    """The entry point's object: starts the simulated hardware on entering, and ends all its processes on leaving."""
-
-    def __call__(
-        self, description: Description, bench: str, folder: Path, *, outlives_us: bool, seed: int
-    ) -> AbstractContextManager[SimulatedHardware]:
-        """Return the simulated hardware as a context.
-
-        Args:
-            bench: a scenario of the testbench.
-            folder: the folder for the logs.
-            outlives_us: whether the arbiter survives a kill of this process.
-            seed: the seed of noise and dead times.
-
-        Raises:
-            UsageError: the tool cannot have this scenario.
-        """
-        ...
-
-    def scenarios(self, description: Description, /) -> Iterable[str]:
-        """Return the possible scenarios of the tool, without numbers."""
-        ...
-
-
-_SIMULATION: Plugins[Simulation] = Plugins(
-    GROUP, "simulation", {}, lambda found: cast(Simulation, a_function(found)), make=False
-)
-
 
 def possible_scenarios(description: Description) -> Iterable[str]:
     """Return the scenarios that are possible with the simulated tool; empty if no simulator is installed."""
-    return _SIMULATION.get(NAME).scenarios(description) if lab_installed() else ()
+    found: Iterable[str] = lab("demo").World.scenarios(description) if lab_installed() else ()
+    return found
 
 
 @contextmanager
-def simulated(description: Description, scenario: str, seed: int = 0) -> Iterator[SimulatedHardware]:
-    """Run the same tool on virtual lines for the duration of the context; afterwards no process and no file is left.
+def simulated(description: Description, scenario: str, seed: int = 0) -> Iterator[Any]:
+    """Run the same tool on virtual lines for the duration of the context, which is a `World` of the demo; afterwards no
+    process and no file is left.
 
     Raises:
         MissingExtraError: no simulator is installed.
@@ -77,9 +33,9 @@ def simulated(description: Description, scenario: str, seed: int = 0) -> Iterato
     """
     if not lab_installed():
         raise lab_needed("--simulate")
-    start = _SIMULATION.get(NAME)
+    world = lab("demo").World
     with TemporaryDirectory(prefix="eehal-run-", ignore_cleanup_errors=True) as folder:
-        hardware = start(description, scenario, Path(folder), outlives_us=False, seed=seed)
+        hardware = world(description, scenario, Path(folder), outlives_us=False, seed=seed)
         try:
             with hardware as running:
                 try:
