@@ -24,10 +24,10 @@ from ._codec import (
     Polled,
     PolledCodec,
     PolledDecoder,
+    Sequence,
     asks,
     is_polled,
     parity_of,
-    sequence_of,
     shows_noise,
 )
 from ._ees1 import Ees1Ascii, Ees1AsciiDecoder, Ees1Cobs, Ees1CobsDecoder
@@ -52,6 +52,7 @@ __all__ = [
     "Polled",
     "PolledCodec",
     "PolledDecoder",
+    "Sequence",
     "asks",
     "board_inputs",
     "carrier_of",
@@ -68,7 +69,6 @@ __all__ = [
     "match_codec",
     "parity_of",
     "period_of",
-    "sequence_of",
     "shows_noise",
     "sources_of",
 ]

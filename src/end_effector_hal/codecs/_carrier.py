@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from end_effector_hal.codecs._codec import Carrier, Codec, parity_of, resolution_of, sequence_bits
+from end_effector_hal.codecs._codec import Carrier, Codec, parity_of, resolution_of
 from end_effector_hal.codecs._registry import get_codec
 from end_effector_hal.codecs._renamed import renamed
 from end_effector_hal.description import has_line
@@ -33,16 +33,12 @@ class FrameSource(NamedTuple):
     channels: frozenset[str]
     period_us: int
     link: str | None = None
-    sequence: tuple[int, int] = (16, 32)
-    """Width of its sequence number and of its clock, bits."""
 
 
 def sources_of(carrier: Carrier) -> tuple[FrameSource, ...]:
     """Return the ``sources`` of a carrier; a codec is one source."""
     found: tuple[FrameSource, ...] = getattr(carrier, "sources", ())
-    return found or (
-        FrameSource(frozenset(carrier.channels), carrier.period_us, None, sequence_bits(carrier)),
-    )
+    return found or (FrameSource(frozenset(carrier.channels), carrier.period_us),)
 
 
 def period_of(carrier: Carrier, channel: str) -> int:
@@ -69,8 +65,6 @@ class SeveralSources:
     channels: Mapping[str, Kind]
     period_us: int
     resolution_pa: float
-    seq_bits: int
-    clock_bits: int
     sources: tuple[FrameSource, ...]
 
 
@@ -158,17 +152,15 @@ def carrier_of(description: Description) -> Carrier:
     brought: list[Codec | BoardInputs] = [*codecs.values(), *([inputs] if inputs else [])]
     own = frozenset(inputs.channels) if inputs else frozenset()
     sources = [
-        FrameSource(frozenset(codec.channels) - own, codec.period_us, name or None, sequence_bits(codec))
+        FrameSource(frozenset(codec.channels) - own, codec.period_us, name or None)
         for name, codec in codecs.items()
     ]
     if inputs:
         sources.append(FrameSource(own, inputs.period_us))
-    first = next(iter(codecs.values()))
     return SeveralSources(
         SEVERAL,
         {name: kind for each in brought for name, kind in each.channels.items()},
         max(source.period_us for source in sources),
         max(map(resolution_of, brought)),
-        *sequence_bits(first),
         tuple(sources),
     )

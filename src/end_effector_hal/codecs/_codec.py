@@ -50,7 +50,7 @@ class Decoder(Protocol):
 class Carrier(Protocol):
     """The properties of a source of readings that a detector needs; every `Codec` is a carrier.
 
-    It may also have ``resolution_pa``, ``seq_bits``, ``clock_bits`` and ``sources``, see `sources_of`.
+    It may also have ``resolution_pa`` and ``sources``, see `sources_of`.
     """
 
     @property
@@ -72,8 +72,7 @@ class Carrier(Protocol):
 class Codec(Carrier, Protocol):
     """A wire format. A channel that is not in ``channels`` is not fitted.
 
-    It may also have ``parity``, ``resolution_pa``, ``seq_bits`` and ``clock_bits``; see `parity_of`, `resolution_of`,
-    `sequence_of`.
+    It may also have ``parity`` and ``resolution_pa``; see `parity_of`, `resolution_of`.
     """
 
     @property
@@ -171,22 +170,23 @@ def asks(decoder: Decoder) -> TypeGuard[PolledDecoder]:
     return hasattr(decoder, "poll")
 
 
+SEQ_BITS, CLOCK_BITS = 16, 32
+"""Widths of the sequence number, and of the clock of a device in ms."""
+SEQ_MOD, CLOCK_MOD = 1 << SEQ_BITS, 1 << CLOCK_BITS
+
+
 class Sequence:
     """Checks the sequence numbers and the device clock of one stream; both wrap around.
 
     A backward jump by less than half of the range (of the number or of the clock) is a reboot of the device.
-
-    Args:
-        seq_bits, clock_bits: width of the number and of the clock.
     """
 
     MEMORY: ClassVar = {"lost": int, "reboots": int, "_last": tuple[int, int] | None}
     """The attributes that change while frames arrive, for a recording that begins in the middle."""
 
-    def __init__(self, *, seq_bits: int, clock_bits: int) -> None:
+    def __init__(self) -> None:
         self.lost = 0
         self.reboots = 0
-        self._seq_mod, self._clock_mod = 1 << seq_bits, 1 << clock_bits
         self._last: tuple[int, int] | None = None
 
     def is_new(self, seq: int, device_ms: int) -> bool:
@@ -194,25 +194,13 @@ class Sequence:
         last, self._last = self._last, (seq, device_ms)
         if last is None:
             return True
-        step = (seq - last[0]) % self._seq_mod
-        clock_back = (device_ms - last[1]) % self._clock_mod >= self._clock_mod // 2
+        step = (seq - last[0]) % SEQ_MOD
+        clock_back = (device_ms - last[1]) % CLOCK_MOD >= CLOCK_MOD // 2
         if step == 0 and not clock_back:
             self._last = last
             return False
-        if clock_back or step >= self._seq_mod // 2:
+        if clock_back or step >= SEQ_MOD // 2:
             self.reboots += 1
         else:
             self.lost += step - 1
         return True
-
-
-def sequence_bits(codec: object) -> tuple[int, int]:
-    """Return the widths of the codec's sequence number and clock: ``seq_bits`` and ``clock_bits``, default
-    16 and 32.
-    """
-    return getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
-
-
-def sequence_of(seq_bits: int, clock_bits: int) -> Sequence:
-    """Return a new `Sequence` for numbers of this width."""
-    return Sequence(seq_bits=seq_bits, clock_bits=clock_bits)

@@ -21,7 +21,7 @@ from typing import ClassVar
 
 from cobs import cobs
 
-from end_effector_hal.codecs._codec import Decoder, Sequence
+from end_effector_hal.codecs._codec import CLOCK_BITS, SEQ_BITS, Decoder, Sequence
 from end_effector_hal.errors import UsageError
 from end_effector_hal.signals import Frame, Kind, Value
 
@@ -35,7 +35,6 @@ BITS = (
     "cylinder_retracted",
     "estop_ok",
 )
-SEQ_BITS, CLOCK_BITS = 16, 32
 _LEVELS = [{name: bool(din >> bit & 1) for bit, name in enumerate(BITS)} for din in range(1 << len(BITS))]
 # From below the lowest possible vacuum to above any shop-air supply: outside of it a sensor is broken.
 LOWEST_PA, HIGHEST_PA = -110_000, 2_000_000
@@ -79,7 +78,7 @@ class Ees1Decoder:
         self.bytes = 0
         self.frames = 0
         self.errors: Counter[str] = Counter()
-        self._sequence = Sequence(seq_bits=SEQ_BITS, clock_bits=CLOCK_BITS)
+        self._sequence = Sequence()
         self._rest = b""
 
     @property

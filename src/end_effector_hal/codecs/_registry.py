@@ -36,7 +36,6 @@ class DeclaredCodec:
         self.period_us, self.baudrate = codec.period_us, codec.baudrate
         self.parity = getattr(codec, "parity", "N")
         self.resolution_pa = getattr(codec, "resolution_pa", 1)
-        self.seq_bits, self.clock_bits = getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
         if wrong := next(self._wrong(), ""):
             raise UsageError(
                 f"the codec declares {wrong}.", todo="Its author's tests inherit CodecConformance."
@@ -62,8 +61,6 @@ class DeclaredCodec:
                 yield f"no Kind for the channel {channel}"
         yield from self._number("period_us", 1, LONGEST_PERIOD_US)
         yield from self._number("baudrate", 300, 4_000_000)
-        yield from self._number("seq_bits", 1, 64)
-        yield from self._number("clock_bits", 1, 64)
         if self.parity not in ("N", "E", "O"):
             yield "a parity that is not N, E or O"
         if type(self.resolution_pa) not in (int, float) or not 0 < self.resolution_pa < 1e9:

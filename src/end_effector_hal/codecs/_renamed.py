@@ -42,7 +42,6 @@ class RenamedCodec:
         self.channels: Mapping[str, Kind] = {mine: codec.channels[its] for its, mine in names.items()}
         self.period_us, self.baudrate, self.parity = codec.period_us, codec.baudrate, parity_of(codec)
         self.resolution_pa = resolution_of(codec)
-        self.seq_bits, self.clock_bits = getattr(codec, "seq_bits", 16), getattr(codec, "clock_bits", 32)
 
     def decoder(self) -> Decoder:
         """Return a new decoder for one stream."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from end_effector_hal.codecs import Carrier, FrameSource, sequence_of, sources_of
+from end_effector_hal.codecs import Carrier, FrameSource, Sequence, sources_of
 from end_effector_hal.description import Description
 from end_effector_hal.signals import NESTED, Frame
 from end_effector_hal.vocabulary import Alarm
@@ -24,15 +24,14 @@ class SendingDevice:
 
     Args:
         channels: the channels that it sends.
-        sequence: number of bits of its sequence number, and of its clock.
         name: the device in a sentence.
     """
 
     MEMORY: ClassVar = {"_sequence": NESTED, "rebooted_at": int | None, "_quick": int}
 
-    def __init__(self, channels: frozenset[str], sequence: tuple[int, int], name: str) -> None:
+    def __init__(self, channels: frozenset[str], name: str) -> None:
         self._channels, self._name = channels, name
-        self._sequence = sequence_of(*sequence)
+        self._sequence = Sequence()
         self.rebooted_at: int | None = None
         """Time of the last restart, µs; None: there was none."""
         self._quick = 0
@@ -68,7 +67,7 @@ def devices_of(description: Description, carrier: Carrier) -> dict[str, SendingD
     """Return new objects for the devices of a tool, by the names of their links; "": the only device."""
     sources = sources_of(carrier)
     found = {source.link: _device(description, source) for source in sources if source.link}
-    alone = SendingDevice(frozenset(carrier.channels), sources[0].sequence, "device that reads the sensors")
+    alone = SendingDevice(frozenset(carrier.channels), "device that reads the sensors")
     return found or {"": alone}
 
 
@@ -79,4 +78,4 @@ def links_of(carrier: Carrier) -> dict[str, str]:
 
 def _device(description: Description, source: FrameSource) -> SendingDevice:
     name = f"device on the {description.link_name(source.link or '')}"
-    return SendingDevice(source.channels, source.sequence, name)
+    return SendingDevice(source.channels, name)
