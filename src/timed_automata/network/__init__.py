@@ -1,6 +1,6 @@
 """A network of timed automata, made from a document, and its semantics, which all users share."""
 
-from ._loader import export, load_network, make_network, remake_network
+from ._loader import export, load_network, make_network
 from ._network import Edge, Given, Location, Network, Process, State, effects_of
 from ._semantics import Fired, Semantics, Transition
 from ._trace import Change, Trace, TraceStep, changes_between
@@ -23,5 +23,4 @@ __all__ = [
     "export",
     "load_network",
     "make_network",
-    "remake_network",
 ]

@@ -1,23 +1,19 @@
-"""Makes a network from a file with given constants, and writes it back.
-
-Of an edited document only the edited parts are compiled.
-"""
+"""Makes a network from a file with given constants, and writes it back."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
-from timed_automata.compiler import Alias, Constant, Expressions, GeneratedCode, Scope, Type
-from timed_automata.document import Document, Template, did_you_mean, fault, load_document, write_document
+from timed_automata.compiler import Alias, Constant, GeneratedCode, Scope, Type
+from timed_automata.document import Document, did_you_mean, fault, load_document, write_document
 from timed_automata.errors import ModelError, UsageError
 from timed_automata.language import ast, parse_declarations, parse_instantiations, parse_system
 from timed_automata.network._declarations import Declarations, Places
 from timed_automata.network._definitions import Definitions
-from timed_automata.network._network import Edge, Given, Network, Process, State
-from timed_automata.network._templates import ParsedTemplate, make_edges, make_location, parse_edge
+from timed_automata.network._network import Given, Network, State
+from timed_automata.network._templates import ParsedTemplate
 
 
 def load_network(path: str | Path, constants: Mapping[str, Given] | None = None) -> Network:
@@ -134,55 +130,3 @@ def _nested(values: tuple[int, ...], type_: Type) -> Given:
         return values[0]
     left = iter(values)
     return [_nested(tuple(islice(left, part.size)), part) for _, part in type_.parts]
-
-
-def remake_network(network: Network, document: Document) -> Network | None:
-    """Make the network of a document that differs from the network's only in edges, invariants and kinds of locations.
-
-    The result shares the generated code of the network.
-
-    Returns:
-        The network, or None if more differs: then it must be made completely.
-
-    Raises:
-        ModelError: an edited part is not valid.
-    """
-    known, templates = network.document.templates, document.templates
-    if replace(document, templates=known) != network.document or not all(map(_alike, known, templates)):
-        return None
-    edited = {
-        new.name.content.strip(): new for old, new in zip(known, templates, strict=True) if new is not old
-    }
-    processes = [
-        _remade(network, each, edited[each.template]) if each.template in edited else each
-        for each in network.processes
-    ]
-    return replace(network, document=document, processes=tuple(processes))
-
-
-def _alike(old: Template, new: Template) -> bool:
-    """Return whether two templates differ only in edges, invariants and kinds of locations."""
-    return replace(new, edges=old.edges, locations=old.locations) == old and [
-        (each.id, each.name) for each in new.locations
-    ] == [(each.id, each.name) for each in old.locations]
-
-
-def _remade(network: Network, process: Process, template: Template) -> Process:
-    numbers = {each.id: number for number, each in enumerate(template.locations)}
-    known: dict[int, list[Edge]] = {}
-    for edge in process.edges:
-        known.setdefault(id(edge.drawn), []).append(edge)
-    edges: list[Edge] = []
-    for drawn in template.edges:
-        if id(drawn) in known:
-            edges += (replace(each, index=n) for n, each in enumerate(known[id(drawn)], start=len(edges)))
-        else:
-            parsed = parse_edge(drawn, numbers)
-            edges += make_edges(network.code, process.scope, parsed, process.index, len(edges))
-    locations = tuple(
-        made
-        if made.drawn is drawn
-        else make_location(Expressions(network.code, process.scope), drawn, made.name, made.index)
-        for made, drawn in zip(process.locations, template.locations, strict=True)
-    )
-    return replace(process, edges=tuple(edges), locations=locations)
