@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -12,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from end_effector_hal.kinds import recorded_kind
-from end_effector_hal.recording import BEGUN, AlarmRow, PressuresLog, RunInfo
-from end_effector_hal.vocabulary import LEAK, display_name
+from end_effector_hal.recording import PressuresLog, RunInfo
+from end_effector_hal.vocabulary import display_name
 
 from ._labels import BESIDE_SIZE, height_of, width_of, write_beside
 from ._style import BAND, BAND_INK, CURVES, PROOFS, SUPPLY, THRESHOLDS
@@ -36,21 +35,6 @@ class PanelCurve:
     def last(self) -> float:
         """The last valid value."""
         return next(value for value in reversed(self.kpa) if not math.isnan(value))
-
-
-@dataclass(frozen=True)
-class Forecast:
-    """The forecast in a leak's alarm: its start, in gauge kPa, and when it would reach the threshold of loss."""
-
-    colour: str
-    start_s: float
-    start_kpa: float
-    lost_s: float
-    lost_kpa: float
-
-
-_LEAK = re.compile(r".* from ([\d.]+) kPa .*\(under ([\d.]+) kPa\) in (\d+) s\.")
-"""Pattern of the numbers in the text of a leak."""
 
 
 class Compared(NamedTuple):
@@ -82,7 +66,6 @@ class Panel:
     curves: list[PanelCurve] = field(default_factory=list)
     bands: dict[float, list[str]] = field(default_factory=dict)
     lines: dict[tuple[str, float], list[str]] = field(default_factory=dict)
-    forecasts: list[Forecast] = field(default_factory=list)
     compared: list[Compared] = field(default_factory=list)
 
     @property
@@ -133,7 +116,6 @@ def panels_of(
     pressures: PressuresLog | None,
     info: RunInfo,
     actuators: tuple[str, ...],
-    alarms: Sequence[AlarmRow] = (),
 ) -> list[Panel]:
     """Return panels: one for vacuums, one for pressures above ambient, one for each other unit.
 
@@ -165,7 +147,6 @@ def panels_of(
             for word in THRESHOLDS:
                 if limit := _limit(info, owner, word):
                     panel.lines.setdefault((word, sign * limit), []).append(title)
-            panel.forecasts += _forecasts(owner, colour, sign, alarms)
     return [panel for panel in (below, above, *others.values()) if panel.curves]
 
 
@@ -189,23 +170,6 @@ def _limit(info: RunInfo, actuator: str, word: str) -> float | None:
     limit = info.limits.get(actuator, {}).get(f"{word}_kpa")
     usable = isinstance(limit, int | float) and math.isfinite(limit) and 0 < limit < 1e4
     return float(limit) if usable and limit is not None else None
-
-
-def _forecasts(actuator: str, colour: str, sign: int, alarms: Sequence[AlarmRow]) -> list[Forecast]:
-    """Return the forecasts for the leaks of one actuator."""
-    leaks = (row for row in alarms if (row.event, row.id, row.about) == (BEGUN, LEAK, actuator))
-    found = ((row, _LEAK.fullmatch(row.text)) for row in leaks)
-    return [
-        Forecast(
-            colour,
-            row.time_s,
-            sign * float(told[1]),
-            row.time_s + float(told[3]),
-            sign * float(told[2]),
-        )
-        for row, told in found
-        if told is not None
-    ]
 
 
 def _owner(channel: str, info: RunInfo, actuators: tuple[str, ...]) -> str | None:
@@ -256,9 +220,6 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     for line in panel.compared:
         colour, dashes = PROOFS[line.proves]
         axes.axhline(line.at, color=colour, linestyle=dashes, linewidth=0.9, zorder=1, label=line.proves)
-    for each in panel.forecasts:
-        xs, ys = [each.start_s, each.lost_s], [each.start_kpa, each.lost_kpa]
-        axes.plot(xs, ys, color=each.colour, linestyle=(0, (1, 1.5)), linewidth=1.3, label="forecast")
     for curve in panel.curves:
         axes.plot(curve.times_s, curve.kpa, color=curve.colour, linewidth=1.3, label=curve.title)
     write_beside(axes, panel.labels(), panel.height_in)

@@ -149,7 +149,7 @@ def timeline(
     info = (info or RunInfo()).gripping(log.parts)
     with drawing():
         story = read_story(log, info, alarms)
-        panels = panels_of(pressures, info, log.actuators, alarms)
+        panels = panels_of(pressures, info, log.actuators)
         clocks = watched_clocks(info)
         words_in = max(labels_width(panels), clock_labels_width(clocks))
         page = page_of(

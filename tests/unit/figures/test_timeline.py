@@ -409,13 +409,6 @@ def test_the_tool_changer_has_a_lane():
     assert overlaps(figure) == []
 
 
-def test_the_forecast_of_a_leak_begins_at_its_value():
-    text = "Leak: Top vacuum falls by 3.7 kPa/s from 65.5 kPa and would be lost (under 50 kPa) in 6 s."
-    figure = timeline(NEVER, PRESSURES, INFO, [AlarmRow(4.0, "begun", text, "grip.leak", "top_vacuum")])
-    (line,) = [line for line in figure.axes[1].lines if line.get_label() == "forecast"]
-    assert [list(line.get_xdata()), list(line.get_ydata())] == [[4.0, 10.0], [-65.5, -50.0]]
-
-
 @pytest.mark.parametrize(
     ("ros", "generation", "shown"), [(True, 1, "ROS 1"), (True, 2, "ROS 2"), (True, None, "ROS")]
 )
