@@ -198,27 +198,13 @@ def test_each_template_is_drawn() -> None:
 
 def test_any_uppaal_file_is_drawn() -> None:
     answer = json.loads(run("show", "--model", "lamp.xml", "-o", "out", "--json").stdout)
-    edges = answer.pop("edges")
     assert answer == {
         "schema_version": 1,
         "source": "lamp.xml",
         "templates": {"Lamp": ["out/Lamp.png", "out/Lamp.svg"]},
     }
-    assert {(each["edits"], *each["needed_by"]) for each in edges["Lamp"]} == {(0,)}  # nothing is known of it
     assert "LOUD = true" in Path("out/Lamp.svg").read_text(encoding="utf-8")
     ET.parse("out/Lamp.svg")
-
-
-@pytest.mark.thinned  # long
-def test_the_requirements_that_need_an_edge_are_printed() -> None:
-    told = run("show", "--template", "Changer", "--edges", "-o", "out").stdout.splitlines()
-    edges = json.loads(run("show", "--template", "Changer", "-o", "out", "--json").stdout)["edges"]["Changer"]
-    assert len(told) == 1 + len(edges) == 37
-    for number, (line, each) in enumerate(zip(told[1:], edges, strict=True), start=1):
-        assert line.startswith(f"  {number}. {each['edge']}: ")
-        assert ", ".join(each["needed_by"]) in line
-        assert ("no edit of it was judged" in line) is (each["edits"] == 0)
-    assert any(each["needed_by"] for each in edges)
 
 
 def test_no_template_overwrites_another() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,37 +20,6 @@ from end_effector_hal.errors import UsageError
 from timed_automata.document import Template, did_you_mean
 
 from ._check import fig5
-
-
-def edge_needs(template: Template) -> list[dict[str, object]]:
-    """Return for each edge, in the order of the file, its ends, the number of judged edits, and for every requirement
-    how many edits it detected.
-    """
-    from end_effector_hal.verification.mutation import kept_record
-
-    names = {each.id: each.name.text.content.strip() if each.name else each.id for each in template.locations}
-    found: list[dict[str, object]] = []
-    for number, edge in enumerate(template.edges):
-        needs = kept_record().of_edge(template, number)
-        found.append({
-            "edge": f"{names[edge.source]} -> {names[edge.target]}",
-            "place": edge.place.where(0),
-            "edits": needs.edits if needs else 0,
-            "needed_by": dict(needs.needed_by) if needs else {},
-        })  # fmt: skip
-    return found
-
-
-def told_edges(template: Template) -> Iterator[str]:
-    """Yield one line for each edge."""
-    for number, each in enumerate(edge_needs(template), start=1):
-        needed_by = each["needed_by"]
-        assert isinstance(needed_by, dict)
-        if not each["edits"]:
-            yield f"  {number}. {each['edge']}: no edit of it was judged"
-        else:
-            by = ", ".join(needed_by) or "no requirement"
-            yield f"  {number}. {each['edge']}: needed by {by} (edits judged: {each['edits']})"
 
 
 def _template_names(context: click.Context) -> Iterable[str]:
@@ -71,17 +40,12 @@ def command() -> None:
 @click.option(
     "--template", metavar="NAME", shell_complete=completed(_template_names), help="Draw only this one."
 )
-@click.option("--edges", is_flag=True, help="Print, too, which requirements need each edge.")
-@click.option(
-    "--json", "as_json", is_flag=True, help="Print the files, and which requirements need each edge."
-)
-def show(network: NamedNetwork, output: Path, template: str | None, edges: bool, as_json: bool) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print the files.")
+def show(network: NamedNetwork, output: Path, template: str | None, as_json: bool) -> None:
     """Draw each template as UPPAAL shows it (Fig. 5), as PNG and as SVG.
 
     Locations, edges and labels have the positions of the file; the constants of the description that a template uses
-    are listed under its name. With --edges the requirements that need each edge are printed: a requirement needs an
-    edge if it failed after an edit of that edge (make mutants). Nothing is printed about an edge that was never edited
-    or that is not in the shipped automata.
+    are listed under its name.
     """
     draw, source = figures().draw_template, network.open()
     templates = _wanted(source.network.document.templates, template)
@@ -104,12 +68,8 @@ def show(network: NamedNetwork, output: Path, template: str | None, edges: bool,
             if not as_json:
                 progress.clear()
                 click.echo(f"{_name(each)}: {output if one else f'{folder / file}.png, .svg'}")
-                if edges:
-                    for line in told_edges(each):
-                        click.echo(line)
     if as_json:
-        needs = {_name(each): edge_needs(each) for each in templates}
-        print_document({"source": source.name, "templates": drawn, "edges": needs})
+        print_document({"source": source.name, "templates": drawn})
 
 
 def _name(template: Template) -> str:
