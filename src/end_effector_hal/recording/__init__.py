@@ -4,7 +4,7 @@ from ._alarms import BEGUN, ENDED, AlarmRow, changed_alarms, read_alarms
 from ._compare import RunTables, Tolerances, compare_runs
 from ._compared_pressures import RunDifference, count_differences
 from ._events import EventRow, EventsWriter, event_row
-from ._files import RecordingLimits, RunFile, append_whole, lock
+from ._files import RecordingLimits, RunFile, lock
 from ._levels import ChangerRow, SwitchesLog, is_part_name, read_changer, read_switches
 from ._of_tool import pressure_channels, product_version, run_info
 from ._pressures import KPA, PressuresLog, last_pressures, read_pressures
@@ -51,7 +51,6 @@ __all__ = [
     "TraceFile",
     "TraceWriter",
     "Watched",
-    "append_whole",
     "changed_alarms",
     "check_replaceable",
     "compare_runs",

@@ -5,10 +5,8 @@ a controller with its thread; ``boundary``, the recorded inputs and outputs of t
 statuses to writes.
 """
 
-from ._error_text import error_text, sendable
-from ._reload import fixed_by_arbiter, reload_answer
+from ._reload import reload_answer
 from ._script import WORDS, ScriptCommand, read_command, read_script
-from .outputs import LineWriter
 from .programs import (
     InlineWorker,
     Program,
@@ -36,7 +34,6 @@ __all__ = [
     "EndEffector",
     "GoalRunner",
     "InlineWorker",
-    "LineWriter",
     "Program",
     "Refused",
     "RemoteTool",
@@ -45,8 +42,6 @@ __all__ = [
     "ScriptCommand",
     "Tool",
     "changer_is_sensed",
-    "error_text",
-    "fixed_by_arbiter",
     "latch_stop",
     "longest_release_s",
     "open_program",
@@ -55,7 +50,6 @@ __all__ = [
     "release_is_decided",
     "reload_answer",
     "reset",
-    "sendable",
     "silent_links",
     "stop",
 ]

@@ -24,4 +24,4 @@ from ._messages import (
     has_ros_class,
     ros_class,
 )
-from ._transport import ActionClient, ActionServer, ClientGoal, NodeTransport, Publisher
+from ._transport import ActionClient, ActionServer, ClientGoal, NodeTransport

@@ -2,11 +2,10 @@
 
 from ._chain import SegmentEnd
 from ._load import Entry, ProgramTrace, load_trace, runs_of, traces_of
-from ._replay import Difference, Replay, replay
+from ._replay import Replay, replay
 from ._review import Review, review
 
 __all__ = [
-    "Difference",
     "Entry",
     "ProgramTrace",
     "Replay",
