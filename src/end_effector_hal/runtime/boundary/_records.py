@@ -1,7 +1,6 @@
 """The records of a trace; all times are µs on the monotonic clock.
 
-They are the inputs of the controller, its outputs, and the observations of its automata. The fields:
-`docs/reference/recordings.md`.
+They are the inputs of the controller, its outputs, and the observations of its automata.
 """
 
 from __future__ import annotations
