@@ -48,7 +48,7 @@ class ToolMetrics(Collector):
         """Yield the metrics as they are now."""
         at = self._now()
         fresh = self._view.is_fresh(at)
-        yield self._gauge("up", "Whether the HAL of the tool is connected.", {(): fresh})
+        yield self._gauge("up", "Whether the HAL is connected and not silent.", {(): fresh})
         yield from self._grips()
         status = self._view.status()
         if fresh and status is not None:
@@ -59,10 +59,11 @@ class ToolMetrics(Collector):
     def _grips(self) -> Iterator[Metric]:
         counts, count = self._view.counts, self._counter
         by_part = {(outcome, part): number for (part, outcome), number in counts.grips.items()}
-        yield count("grips", "Grips that ended, by outcome.", by_part, "outcome", "part")
+        yield count("grips", "Grips that ended; STOPPED: the program ended.", by_part, "outcome", "part")
         first = {(part,): number for part, number in counts.first_attempts.items()}
-        yield count("first_attempt_grips", "Grips that succeeded on first attempts.", first, "part")
-        yield count("attempts", "Attempts that ended.", counts.attempts, "actuator", "outcome")
+        yield count("first_attempt_grips", "Grips with each actuator confirmed at once.", first, "part")
+        what = "Attempts; deactivated: the grip ended before."
+        yield count("attempts", what, counts.attempts, "actuator", "outcome")
         lost = {(name,): number for name, number in counts.losses.items()}
         yield count("losses", "Held parts that were lost.", lost, "actuator")
         what = "Time from the activation to the confirmation."
