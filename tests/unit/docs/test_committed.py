@@ -38,7 +38,7 @@ def test_a_page_says_what_the_program_says(name: str) -> None:
         ("devices", "## robotiq-2f85"),
         ("errors", "### EE-205"),
         ("interlocks", "## IL-09"),
-        ("mutants", "## The edges of Gripper"),
+        ("mutants", "| edge deleted |"),
         ("ros", "`EndEffectorState`"),
         ("wrong_products", "a journal that is not written"),
     ],
