@@ -1,4 +1,4 @@
-"""Every code of an error: its sentence, its exit code, and what the program says with it and advises."""
+"""Every code of an error: its sentence, its exit code, and what the program advises."""
 
 from __future__ import annotations
 
@@ -61,17 +61,17 @@ def _differing(sentences: list[str]) -> list[str]:
 
 
 def _of_programs() -> Iterator[str]:
-    raised = _raised()
+    said = raised()
     yield "## While a program runs"
     yield (
-        "What happened, where, and what to do; `{…}` is filled in. With `--json` it is one object with the code. "
-        "In Python each is an exception of `end_effector_hal.errors`."
+        "With `--json` an error is one object with the code; in Python each is an exception of"
+        " `end_effector_hal.errors`. Listed are the sentences that come with advice; `{…}` is filled in."
     )
     for each in sorted(_kinds(ReportedError), key=lambda kind: kind.code):
         meaning = " ".join((each.__doc__ or "").split("\n\n")[0].split())
         yield f"### {each.code}: `{each.__name__}`, exit code {each.exit_code}"
         yield plain(meaning)
-        if rows := raised.get(each.__name__):
+        if rows := [row for row in said[each.__name__] if row[1]]:
             yield table(("says", "what to do"), rows)
 
 
@@ -82,12 +82,15 @@ def _kinds(kind: type[ReportedError]) -> Iterator[type[ReportedError]]:
             yield from _kinds(each)
 
 
-def _raised() -> dict[str, list[tuple[str, str]]]:
-    found: dict[str, dict[str, str]] = defaultdict(dict)
+def raised() -> dict[str, list[tuple[str, str]]]:
+    """What the code raises, by class of error: each sentence with its advice."""
+    found: dict[str, dict[str, str]] = {each.__name__: {} for each in _kinds(ReportedError)}
     for _, inside in nodes("src"):
         for node in inside:
             match node:
-                case ast.Call(func=ast.Name(id=name), args=[first, *_], keywords=keywords) if text_of(first):
+                case ast.Call(func=ast.Name(id=name), args=[first, *_], keywords=keywords) if (
+                    name in found and text_of(first)
+                ):
                     advice = next((text_of(each.value) for each in keywords if each.arg == "todo"), "")
                     found[name][plain(text_of(first))] = plain(advice)
     return {name: sorted(said.items()) for name, said in found.items()}

@@ -103,7 +103,7 @@ class Places:
         return f"{place.file or self.name or self.file}:{place.line}:{place.column}"
 
 
-#: Stable codes; ``docs/reference/keys.md`` lists them.
+#: Stable codes; ``docs/reference/errors.md`` lists them.
 CODES = {
     "EE-201": "the file cannot be read",
     "EE-202": "not YAML",

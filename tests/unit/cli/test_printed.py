@@ -20,6 +20,9 @@ from tests.support.refuted import REFUTED
 from tests.support.terminal import on_a_terminal
 from tests.unit.conftest import Whole
 
+sys.path.insert(0, str(DOCS))
+from _site._errors import raised
+
 MAIN = "from end_effector_hal.cli import main; main()"
 FULL = "The output cannot be written: No space left on device.\n"
 
@@ -91,9 +94,7 @@ def test_a_long_row_stays_in_one_line(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_every_text_that_is_listed_begins_upper_case() -> None:
-    page = (DOCS / "reference" / "errors.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (.*?) \|", page.partition("## While a program runs")[2], re.MULTILINE)
-    listed = sorted({*rows} - {"says", "---"})
+    listed = sorted({text for said in raised().values() for text, _ in said})
     assert len(listed) > 200
     lower = [text for text in listed if re.match(r"[a-z]+\s", UsageError(text).sentence)]
     assert lower == []
