@@ -90,8 +90,10 @@ def _stanza(path: str, found: dict[str, type[BaseStanza]], document: dict[str, A
     title = f"actuators.<name>, kind: {path[len('actuators.<') : -1]}" if of_kind else path
     title = of_any_kind(path) if shared else title
     yield f"### {f'`{title}`' if title else 'At the top'}\n\n{cleandoc(model.__doc__ or '')}"
-    keys = set(fields_of(model)) - (set(_common()) if of_kind else set())
-    yield _table(defined, path, keys)
+    above = _common() if of_kind else list(fields_of(Output)) if issubclass(model, Output) else []
+    if above and not of_kind:
+        yield f"The keys {', '.join(f'`{each}`' for each in above)} are those of an actuator."
+    yield _table(defined, path, set(fields_of(model)) - set(above))
 
 
 def _common() -> list[str]:
@@ -116,7 +118,7 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
     if "anyOf" in each:
         inner = next(option for option in each["anyOf"] if option.get("type") != "null")
         inline = next((option["properties"] for option in each["anyOf"] if "properties" in option), None)
-        other = f"`{{{', '.join(inline)}}}`" if inline else "keys, see below"
+        other = f"`{{{', '.join(inline)}}}`" if inline else "keys"
         return f"{_value(key, path, inner)}, or {'null' if {'type': 'null'} in each['anyOf'] else other}"
     if "const" in each or "enum" in each:
         return " or ".join(f"`{choice}`" for choice in each.get("enum", [each.get("const")]))
@@ -148,7 +150,7 @@ def _value(key: str, path: str, each: dict[str, Any]) -> str:
             noun = nouns.get(each["items"].get("type")) or _value(key, path, each["items"])
             return f"list of {noun}s"
         case _:
-            return "keys, see below"
+            return "keys"
 
 
 def _default(value: Any, each: dict[str, Any]) -> str:
