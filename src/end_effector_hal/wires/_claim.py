@@ -40,7 +40,7 @@ def holders_of(path: str | Path, *, own: bool = False) -> list[Holder]:
     The process at the master end of a pty is left out: it is the cable. ``own``: include this process.
     """
     device = os.path.realpath(path)
-    found = set(_lockers(device))
+    found = lockers_of(device)
     ends: set[int] = set()
     for pid, link, target in _open_files():
         if target == device:
@@ -76,17 +76,15 @@ def _tty_index(link: str) -> str:
     return next((line.split()[1] for line in text.splitlines() if line.startswith("tty-index:")), "")
 
 
-def _lockers(path: str) -> Iterator[int]:
-    """Yield the holders of a flock(2), from the kernel's list, which (unlike the open files) covers all users."""
+def lockers_of(path: str | Path) -> set[int]:
+    """Return the processes that hold a flock(2) on a file, of all users, from the kernel's list."""
     try:
         status, locks = os.stat(path), Path("/proc/locks").read_text(encoding="ascii")
     except OSError:
-        return
+        return set()
     key = f"{os.major(status.st_dev):02x}:{os.minor(status.st_dev):02x}:{status.st_ino}"
-    for line in locks.splitlines():
-        words = line.split()
-        if len(words) >= 6 and words[1] == "FLOCK" and words[5] == key and words[4].isdigit():
-            yield int(words[4])
+    held = (line.split() for line in locks.splitlines() if key in line)
+    return {int(words[4]) for words in held if words[1] == "FLOCK" and words[5] == key and words[4].isdigit()}
 
 
 def program_name(pid: int | str = "self") -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from end_effector_hal.ros2 import ROS_PACKAGES
-from end_effector_hal.wires import holders_of
+from end_effector_hal.wires import lockers_of
 
 from ._check_result import CheckedPart, CheckResult, CheckResults
 from ._machine import is_importable
@@ -24,7 +24,7 @@ _say = CheckedPart("ros")
 def look_at_shared_memory(folder: Path = FOLDER) -> CheckResults:
     """Report segments and ports whose lock no process holds: they occupy memory and can disturb a later process."""
     locks = [path for pattern in _LOCKS for path in sorted(folder.glob(pattern))]
-    dead = [path for path in locks if not holders_of(path, own=True)]
+    dead = [path for path in locks if not lockers_of(path)]
     if not dead:
         return
     size = sum(_size(path.with_name(path.name.removesuffix("_el"))) for path in dead)
