@@ -18,7 +18,6 @@ from xdist.scheduler import LoadFileScheduling
 
 from end_effector_hal.description import Description, load, profile_path
 from end_effector_hal.description.reading import _yaml
-from timed_automata.language._parser import _lark
 
 # how long an example takes says something of the machine only
 settings.register_profile(
@@ -58,12 +57,7 @@ _LONGEST = (
 
 
 def pytest_configure() -> None:
-    """Tests read the same texts again and again, also while they are collected.
-
-    They compile the same UPPAAL files with other constants, or with one edge changed, and load the same descriptions.
-    """
-    parser = _lark()
-    parser.parse = lru_cache(maxsize=2000)(parser.parse)  # type: ignore[method-assign]
+    """Tests read the same descriptions again and again, also while they are collected."""
     _yaml._composed = lru_cache(maxsize=300)(_yaml._composed)
 
 

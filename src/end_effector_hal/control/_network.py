@@ -16,8 +16,8 @@ _KEPT = 8
 def network_of(description: Description) -> Network:
     """Return the network that the HAL of a tool executes.
 
-    It is cached by the content of the file and its constants: compiling takes half a second, and several seconds on a
-    robot's computer. A changed file or constant gives another network.
+    It is cached by the content of the file and its constants, because compiling takes a fifth of a second, on a robot's
+    computer more than a second. A changed file or constant gives another network.
 
     Raises:
         ModelError: the UPPAAL file is not valid; with ``file:line:column``.

@@ -1,157 +1,266 @@
-"""Parses model text to the syntax tree; errors contain the place, the offending text and the expected text."""
+"""Reads declarations, statements and labels by recursive descent, one method for each construct."""
 
 from __future__ import annotations
 
 import re
-import sys
-from functools import cache
-from importlib.util import cache_from_source
-from pathlib import Path
-from typing import Any, cast
-
-from lark import Lark, Token, UnexpectedCharacters, UnexpectedEOF, UnexpectedInput, UnexpectedToken
-from lark.lexer import PatternStr
+from collections.abc import Callable
+from typing import Any
 
 from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
-from timed_automata.errors import ModelError
-from timed_automata.language._builder import Builder
-
-_STARTS = [
-    "declarations",
-    "instantiations",
-    "system",
-    "parameters",
-    "selects",
-    "expression",
-    "synchronisation",
-    "items",
-]
+from timed_automata.language import ast
+from timed_automata.language._expressions import OPERAND, ExpressionParser
+from timed_automata.language._tokens import END, NAME, NO_NAMES
 
 _DEPTH = re.compile(
     rf"//[^\n]*|/\*.*?(?:\*/|\Z)|[([{{}}\])]|(?P<signs>(?:[-+!]\s*|\bnot\s+){{{NESTING + 1}}})", re.DOTALL
 )
-_OPERAND = {"NAME", "NUMBER", "LPAR", "BOOLEAN", "DOUBLE", "SIGN", "BANG", "STEP", "QUANTIFIER"}
-_OPERATOR = {"OR", "AND", "BIT_OR", "BIT_XOR", "AMPERSAND", "EQUALITY", "COMPARISON", "EXTREME", "SHIFT"}
-_OPERATOR |= {"SIGN", "FACTOR"}
-_SUFFIX = {"QUESTION", "COMPOUND", "STEP", "LSQB", "DOT", "APOSTROPHE", "LPAR"}
-_FLOATING = (
-    "fabs fmod fma fmax fmin fdim exp exp2 expm1 ln log log10 log2 log1p pow sqrt cbrt hypot sin cos tan asin acos atan"
-    " atan2 sinh cosh tanh asinh acosh atanh erf erfc tgamma lgamma ceil floor trunc round fint ldexp ilogb logb"
-    " nextafter copysign fpclassify isfinite isinf isnan isnormal signbit isunordered random random_arcsine random_beta"
-    " random_gamma random_normal random_poisson random_tri random_weibull"
-)
-_NO_NAMES = frozenset(
-    f"""{_FLOATING} abs and bool bounds branchpoint broadcast chan clock commit const control control_t deadlock double
-    exists false forall foreach guard imitate imply inf init int loadStrategy maxE maxPr minE minPr not numOf or Pmax Pr
-    priority probability process sat saveStrategy scalar simulate simulation state strategy sum sup sync system trans
-    true assign under urgent void X""".split()
-)
-"""Words that UPPAAL refuses as the name of a location or a template: its queries and older text format reserve them."""
-_REFUSED_BY_CONSTRUCT = {
-    "double string": ("a type that is not integral", "Use an integer of a smaller unit: 1500 ms for 1.5 s."),
-    "hybrid": ("a hybrid clock", "Use a clock; it runs at rate one."),
-    "priority": ("a priority", "Guard what must wait by what must come first, or use a committed location."),
-    "import": ("an external function", "Write the function in the model."),
-    "dynamic spawn exit": ("a dynamic template", "Put as many processes on the system line as there can be."),
-    "gantt": ("a Gantt chart", "Remove it: it changes no verdict."),
-    "progress": ("a progress measure", "Remove it: it changes no verdict."),
-    "before_update after_update": ("a global update", "Call a function in the update of each edge."),
-    "default assert": ("this statement", "Use 'if', and a query for what must hold."),
-    "xor": ("this operator", "Write '!=' between two conditions."),
-    "query IO": ("this section", "Remove it."),
-    "process state trans commit branchpoint": ("a template written as text", "Write it as a <template>."),
-    "select guard sync assign probability init location": (
-        "a word that UPPAAL reserves",
-        "Use another name.",
-    ),
-    _FLOATING: ("a function on floating-point numbers", "Compute with integers of a smaller unit."),
-    "abs": ("a built-in function", "Write 'a < 0 ? -a : a'."),
-}
-_REFUSED_WORDS = {word: said for words, said in _REFUSED_BY_CONSTRUCT.items() for word in words.split()}
-"""Words that UPPAAL reserves and this subset lacks: the construct that they belong to, and what to do instead."""
-_SWITCH = re.compile(r"\bswitch\s*\([^{}]*\)\s*\Z")
-_READABLE = {"NAME": "a name", "EQUALS": "'='", "PREFIX": "a type", "BASE": "a type", "INT": "a type"}
-_READABLE |= dict.fromkeys(("STRUCT", "SCALAR"), "a type")
+_PREFIXES = frozenset(("const", "urgent", "broadcast", "meta"))
+_TYPES = _PREFIXES | {"bool", "clock", "chan", "void", "int", "scalar", "struct"}
+_TYPE = "a type"
 
 
-class _RefusedWordError(Exception):
-    """A reserved word that belongs to a construct outside of the subset."""
+class _Parser(ExpressionParser):
+    """What the parts of a model are read with; a public method for each kind of text."""
 
-    def __init__(self, token: Token) -> None:
-        self.token = token
+    def declarations(self) -> tuple[ast.Declaration, ...]:
+        """Read a section of declarations."""
+        found = []
+        while not self._at(END):
+            found.append(self._declaration())
+        return tuple(found)
 
+    def instantiations(self, end: str = END) -> tuple[ast.Declaration | ast.Instantiation, ...]:
+        """Read declarations and instantiations: those that older files have before the system section."""
+        found: list[ast.Declaration | ast.Instantiation] = []
+        while not self._at(end):
+            instance = self._followed_by("(", "=")
+            found.append(self._instantiation() if instance else self._declaration())
+        return tuple(found)
 
-def _check_word(token: Token) -> Token:
-    if token in _REFUSED_WORDS:
-        raise _RefusedWordError(token)
-    return token
+    def system(self) -> ast.System:
+        """Read the system section."""
+        start = self._token.start
+        items = self.instantiations("system")
+        self._next()
+        processes = self._separated(self._process)
+        self._take(";")
+        return ast.System(self._span(start), items, processes)
 
+    def _process(self) -> ast.Name:
+        name = self._name()
+        if self._token.kind in ("<", "<=", ">", ">="):
+            self._next()
+            span = Span(self._text, self._tokens[self._index - 1].start, self._end)
+            raise refused(span, "'<' between processes, a priority", "Separate processes with ','.")
+        return name
 
-@cache
-def _lark() -> Lark:
-    """Return the parser; its tables, which take a tenth of a second to make, are cached beside the bytecode of this
-    package.
+    def _name(self) -> ast.Name:
+        start, word = self._token.start, self._take(NAME)
+        return ast.Name(self._span(start), word)
 
-    Lark makes them again if they cannot be written or read, or belong to another grammar or version.
-    """
-    grammar = Path(__file__).with_name("grammar.lark")
-    return Lark(
-        grammar.read_text(encoding="utf-8"),
-        cache=not sys.dont_write_bytecode and f"{cache_from_source(str(grammar))}.lark",
-        start=_STARTS,
-        parser="lalr",
-        lexer="basic",
-        propagate_positions=True,
-        lexer_callbacks={"NAME": _check_word},
-    )
+    def _instantiation(self) -> ast.Instantiation:
+        start, name = self._token.start, self._next()
+        parameters = self._in_brackets(self.parameters) if self._at("(") else ()
+        self._take("=")
+        template = self._name()
+        arguments = self._in_brackets(self.items)
+        self._take(";")
+        return ast.Instantiation(self._span(start), name, parameters, template, arguments)
 
+    def _declaration(self) -> ast.Declaration:
+        if self._at("typedef"):
+            return self._typedef()
+        start, type_ = self._token.start, self._type()
+        if not self._followed_by("("):
+            return self._variables(start, type_, self._declarator)
+        name, parameters, body = self._next(), self._in_brackets(self.parameters), self._block()
+        return ast.FunctionDefinition(self._declared(start, name), type_, name, parameters, body)
 
-def _readable(terminals: set[str]) -> str:
-    """Return the words that may follow here, grouped so that the list stays short."""
-    terminals = terminals - {"FIELD"}  # a name after a dot
-    if terminals >= _OPERATOR:
-        terminals = terminals - _OPERATOR - _SUFFIX | {"operator"}
-    elif "COMPARISON" in terminals:  # on the system line, where it is read only to be refused
-        terminals = terminals - {"COMPARISON"}
-    if terminals >= _OPERAND:
-        terminals = terminals - _OPERAND | {"expression"}
-    literals = {
-        terminal.name: f"'{terminal.pattern.value}'"
-        for terminal in _lark().terminals
-        if isinstance(terminal.pattern, PatternStr)
-    }
-    names = {
-        "operator": "an operator",
-        "expression": "an expression",
-        "$END": "the end",
-        **literals,
-        **_READABLE,
-    }
-    words = sorted({names.get(terminal, terminal.lower()) for terminal in terminals})
-    return " or ".join(", ".join(words).rsplit(", ", 1)) if words else "nothing"
+    def _variables(
+        self, start: int, type_: ast.TypeName, declarator: Callable[[], ast.Declarator]
+    ) -> ast.Variables:
+        declarators = self._separated(declarator)
+        self._take(";")
+        return ast.Variables(self._span(start), type_, declarators)
 
+    def _typedef(self) -> ast.TypeDefinition:
+        start = self._token.start
+        self._next()
+        type_, declarators = self._type(), self._separated(self._declarator)
+        self._take(";")
+        return ast.TypeDefinition(self._span(start), type_, declarators)
 
-def _syntax_error(text: Text, error: UnexpectedInput) -> ModelError:
-    if isinstance(error, UnexpectedCharacters):
-        start = error.pos_in_stream or 0
-        span = Span(text, start, start + 1)
-        return fault(span, f"'{text.content[start]}' is no part of the language.")
-    expected = _readable(set(cast("Any", error).accepts or cast("Any", error).expected))
-    token = error.token if isinstance(error, UnexpectedToken) else None
-    if token is None or token.type == "$END" or isinstance(error, UnexpectedEOF):
-        end = len(text.content.rstrip())
-        return fault(Span(text, end, end), "The text ends too early.", f"Expected {expected}.")
-    start = token.start_pos or 0
-    if token == "{" and (found := _SWITCH.search(text.content, 0, start)):
-        return refused(
-            Span(text, found.start(), found.start() + 6), "'switch', this statement", "Use 'if' and 'else'."
-        )
-    if text.content.startswith("/*", start):
-        return fault(Span(text, start, start + 2), "This comment does not end.", "Expected '*/'.")
-    return fault(
-        Span(text, start, start + len(token)), f"'{token}' is not expected here.", f"Expected {expected}."
-    )
+    def _declarator(self) -> ast.Declarator:
+        start, plain = self._token.start, self._plain()
+        if not self._skip("="):
+            return plain
+        initialiser = self._initialiser()
+        return ast.Declarator(self._span(start), plain.name, plain.dimensions, initialiser)
+
+    def _plain(self, start: int | None = None) -> ast.Declarator:
+        """Read a declarator without an initialiser."""
+        start = self._token.start if start is None else start
+        name, dimensions = self._take(NAME), self._dimensions()
+        return ast.Declarator(self._declared(start, name), name, dimensions)
+
+    def _dimensions(self) -> tuple[Any, ...]:
+        found = []
+        while self._skip("["):
+            whole = self._token.kind == "int"
+            found.append(self._integer(self._token.start) if whole else self.expression())
+            self._take("]")
+        return tuple(found)
+
+    def _initialiser(self) -> Any:
+        start = self._token.start
+        if not self._skip("{"):
+            return self.expression()
+        names, values = zip(*self._separated(self._item), strict=True)
+        self._take("}")
+        return ast.Braces(self._span(start), values, names)
+
+    def _item(self) -> tuple[str | None, Any]:
+        name = None
+        if self._followed_by(":"):
+            name = self._next()
+            self._next()
+        return name, self._initialiser()
+
+    def parameters(self) -> tuple[ast.Parameter, ...]:
+        """Read any number of parameters."""
+        if self._token.kind in _TYPES or self._token.kind == NAME:
+            return self._separated(self._parameter)
+        self._wanted |= {NAME, _TYPE}
+        return ()
+
+    def _parameter(self) -> ast.Parameter:
+        start, type_, reference = self._token.start, self._type(), self._skip("&")
+        declarator = self._plain(start)
+        return ast.Parameter(declarator.span, type_, reference, declarator)
+
+    def _type(self) -> ast.TypeName:
+        start, prefixes = self._token.start, []
+        while self._token.kind in _PREFIXES:
+            prefixes.append(self._next())
+        kinds = frozenset(prefixes)
+        if self._token.kind == "int":
+            return self._integer(start, kinds)
+        if self._token.kind not in _TYPES and self._token.kind != NAME:
+            raise self._unexpected(NAME, _TYPE)
+        word, high = self._next(), None
+        fields: tuple[ast.Variables, ...] = ()
+        if word == "scalar":
+            self._take("[")
+            high = self.expression()
+            self._take("]")
+        elif word == "struct":
+            self._take("{")
+            fields = (self._field(),)
+            while not self._skip("}"):
+                fields += (self._field(),)
+        return ast.TypeName(self._span(start), word, kinds, None, high, fields)
+
+    def _field(self) -> ast.Variables:
+        return self._variables(self._token.start, self._type(), self._plain)
+
+    def _integer(self, start: int, prefixes: frozenset[str] = frozenset()) -> ast.TypeName:
+        self._next()
+        low = high = None
+        if self._skip("["):
+            low = self.expression()
+            self._take(",")
+            high = self.expression()
+            self._take("]")
+        return ast.TypeName(self._span(start), "int", prefixes, low, high)
+
+    def _bound_variable(self) -> tuple[str, ast.TypeName]:
+        name = self._take(NAME)
+        self._take(":")
+        return name, self._type()
+
+    def selects(self) -> tuple[ast.Select, ...]:
+        """Read a select label."""
+        return self._separated(self._select)
+
+    def _select(self) -> ast.Select:
+        start, (name, type_) = self._token.start, self._bound_variable()
+        return ast.Select(self._declared(start, name), name, type_)
+
+    def synchronisation(self) -> ast.Synchronisation:
+        """Read a synchronisation label."""
+        start, channel = self._token.start, self._postfix()
+        if self._token.word not in ("!", "?"):
+            raise self._unexpected("!", "?")
+        direction = self._next()
+        return ast.Synchronisation(self._span(start), channel, direction)
+
+    # Statements
+
+    def _block(self) -> ast.Block:
+        start = self._token.start
+        self._take("{")
+        declarations: list[ast.Declaration] = []
+        while self._token.kind in _TYPES or self._token.kind == "typedef" or self._followed_by(NAME):
+            declarations.append(self._typedef() if self._at("typedef") else self._local())
+        statements = []
+        while not self._skip("}"):
+            statements.append(self._statement())
+        return ast.Block(self._span(start), tuple(declarations), tuple(statements))
+
+    def _local(self) -> ast.Variables:
+        return self._variables(self._token.start, self._type(), self._declarator)
+
+    def _statement(self) -> ast.Statement:
+        start, kind = self._token.start, self._token.kind
+        if kind == "{":
+            return self._block()
+        if kind == ";" or kind in OPERAND:
+            expression = None if kind == ";" else self.expression()
+            self._take(";")
+            return ast.Evaluate(self._span(start), expression)
+        if kind not in ("if", "for", "while", "do", "return"):
+            raise self._unexpected("a statement")
+        self._next()
+        if kind == "if":
+            test, yes = self._in_brackets(self.expression), self._statement()
+            no = self._statement() if self._skip("else") else None
+            return ast.If(self._span(start), test, yes, no)
+        if kind == "for":
+            return self._for(start)
+        if kind == "while":
+            test, body = self._in_brackets(self.expression), self._statement()
+            return ast.For(self._span(start), (), test, (), body)
+        if kind == "do":
+            body = self._statement()
+            self._take("while")
+            test = self._in_brackets(self.expression)
+            self._take(";")
+            return ast.DoWhile(self._span(start), body, test)
+        value = None if self._at(";") else self.expression()
+        self._take(";")
+        return ast.Return(self._span(start), value)
+
+    def _for(self, start: int) -> ast.For | ast.Iterate:
+        self._take("(")
+        if self._followed_by(":"):
+            variable, type_ = self._bound_variable()
+            self._take(")")
+            body = self._statement()
+            return ast.Iterate(self._span(start), variable, type_, body)
+        first = self.items()
+        self._take(";")
+        test = None if self._at(";") else self.expression()
+        self._take(";")
+        then = self.items()
+        self._take(")")
+        body = self._statement()
+        return ast.For(self._span(start), first, test, then, body)
+
+    def take_end(self) -> None:
+        """Refuse what is left."""
+        if not self._at(END):
+            raise self._unexpected()
 
 
 def _check_size(text: Text) -> None:
@@ -176,24 +285,20 @@ def _name_of_part(text: Text) -> str:
     span = Span(text, at := text.content.find(name), at + len(name))
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_$#]*", name):
         raise fault(span, f"'{span.snippet}' is no name.", "Expected a letter, then letters and digits.")
-    if name in _NO_NAMES:
+    if name in NO_NAMES:
         raise fault(span, f"'{name}' is a keyword of UPPAAL, not a name.", "Choose another name.")
     return name
 
 
 def parse(text: Text, start: str) -> Any:
-    """Parse a text as the grammar rule ``start``; raise ModelError if the text does not match it."""
+    """Parse a text as ``start``, a public method of the parser; raise ModelError if the text does not match it."""
     _check_size(text)
     if start == "name_of_part":  # of a template or a location: a word, of no language
         return _name_of_part(text)
+    parser = _Parser(text)
     try:
-        return Builder(text).build(_lark().parse(text.content, start=start))
-    except _RefusedWordError as error:
-        position = error.token.start_pos or 0
-        span = Span(text, position, position + len(error.token))
-        construct, todo = _REFUSED_WORDS[error.token]
-        raise refused(span, f"'{error.token}', {construct}", todo) from None
-    except UnexpectedInput as error:
-        raise _syntax_error(text, error) from None
+        found = getattr(parser, start)()
+        parser.take_end()
     except RecursionError:
         raise fault(text.whole, "This text is nested too deeply.") from None
+    return found

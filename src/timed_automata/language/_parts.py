@@ -1,7 +1,4 @@
-"""Parses the parts of a model; the parser is loaded at first use.
-
-A process that reads no model does not need the parser, which takes 4 MB.
-"""
+"""Parses the parts of a model."""
 
 from __future__ import annotations
 
@@ -13,6 +10,7 @@ from typing import Any
 
 from timed_automata.document import Text
 from timed_automata.language import ast
+from timed_automata.language._parser import parse
 
 Item = ast.Declaration | ast.Instantiation
 """An item of the ``instantiation`` element, which older files have before ``system``."""
@@ -20,13 +18,7 @@ Item = ast.Declaration | ast.Instantiation
 
 def _parse(text: Text, start: str) -> Any:
     """Parse a text as the grammar rule ``start``; raise ModelError if the text does not match it."""
-    return (_kept or _read)(text, start)
-
-
-def _read(text: Text, start: str) -> Any:
-    from ._parser import parse
-
-    return parse(text, start)
+    return (_kept or parse)(text, start)
 
 
 ParseCache = Callable[[Text, str], Any]
@@ -35,7 +27,7 @@ _kept: ParseCache | None = None
 
 def parse_cache(most: int = 4000) -> ParseCache:
     """Return a cache for `parsing_with` that holds the results of the ``most`` texts used last."""
-    return lru_cache(most)(_read)
+    return lru_cache(most)(parse)
 
 
 @contextmanager

@@ -137,7 +137,7 @@ def test_the_board_has_the_same_versions_and_nothing_that_draws() -> None:
     requirements = _parts._requirements("end-effector-hal")
     names = {each.partition("==")[0] for each in requirements}
     assert f"pydantic=={version('pydantic')}" in requirements
-    assert {"pydantic-core", "gpiod", "lark", "ruamel-yaml", "click"} <= names
+    assert {"pydantic-core", "gpiod", "ruamel-yaml", "click"} <= names
     assert not {"matplotlib", "numpy", "pillow", "pytest"} & names
 
 

@@ -19,7 +19,7 @@ from end_effector_hal.errors import UsageError
 from tests.support.nightly import first_of
 from tests.unit.conftest import Whole
 
-HEAVY = {"lark", "matplotlib", "numpy", "pydantic", "rich", "ruamel.yaml"}
+HEAVY = {"matplotlib", "numpy", "pydantic", "rich", "ruamel.yaml"}
 PROGRAM = {"end_effector_hal.runtime", "end_effector_hal.recording", "timed_automata.execute"}
 OURS = {"end_effector_hal.description", "end_effector_lab.figures", *PROGRAM}
 CODE = """\

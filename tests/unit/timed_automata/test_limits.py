@@ -178,7 +178,7 @@ def test_a_quantifier_is_refused_before_it_is_written_out(monkeypatch: pytest.Mo
 
 
 def test_a_text_that_is_too_deep_never_reaches_the_parser(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = counted(monkeypatch, _parser, "_lark")
+    calls = counted(monkeypatch, _parser, "_Parser")
     with pytest.raises(ModelError, match="deep"):
         made(xml("(" * 60_000))
     assert calls() == 0

@@ -61,7 +61,7 @@ MISTAKES = [
     ("clock x[2];", "guard x > 1", "'x' is an array of clocks", "x >"),
     ("int a;", "sync a!", "'a' is no channel", "a!"),
     ("chan c[2];", "sync c!", "'c' is an array of channels", "c!"),
-    ("chan c;", "sync c", "The text ends too early. Expected", "</label>"),
+    ("chan c;", "sync c", "The text ends too early. Expected '!' or '?'", "</label>"),
     ("chan c;", "sync d!", "'d' is not declared", "d!"),
     ("int a;", "assign a == 1", "'a == 1' has no effect. Did you mean '='?", "a == 1"),
     ("int a;", "assign 3 = a", "'3' cannot be assigned. Expected a variable", "3 ="),
