@@ -91,7 +91,7 @@ class Description(BaseStanza):
         description="folder with devices of your own, `NAME.yaml` each, relative to this file; they precede the "
         "shipped ones",
     )
-    lines: Lines = Field(default=Lines(), description="how the output lines are reached")
+    lines: Lines = Field(default=Lines.model_construct(), description="how the output lines are reached")
     link: Link | None = Field(
         default=None, description="the sensor link; absent: `links`, or `channels` are inputs"
     )
@@ -118,15 +118,17 @@ class Description(BaseStanza):
     )
     tool_changer: ToolChanger | None = Field(default=None, description="absent: none is fitted")
     e_stop: EStop | None = Field(default=None, description="absent: none is fitted")
-    supply: Supply = Field(default=Supply(), description="the compressed air")
-    hold: Hold = Field(default=Hold(), description="what is watched while a part is held")
+    supply: Supply = Field(default=Supply.model_construct(), description="the compressed air")
+    hold: Hold = Field(default=Hold.model_construct(), description="what is watched while a part is held")
     maintenance: MaintenanceSettings = Field(
-        default=MaintenanceSettings(), description="single outputs driven with services"
+        default=MaintenanceSettings.model_construct(), description="single outputs driven with services"
     )
-    endings: Endings = Field(default=Endings(), description="what each ending does to the outputs")
-    interlocks: Interlocks = Field(default=Interlocks(), description="true: enforced")
-    bounds: Bounds = Field(default=Bounds(), description="what the proof assumes and shows")
-    automata: Automata = Field(default=Automata(), description="the UPPAAL file")
+    endings: Endings = Field(
+        default=Endings.model_construct(), description="what each ending does to the outputs"
+    )
+    interlocks: Interlocks = Field(default=Interlocks.model_construct(), description="true: enforced")
+    bounds: Bounds = Field(default=Bounds.model_construct(), description="what the proof assumes and shows")
+    automata: Automata = Field(default=Automata.model_construct(), description="the UPPAAL file")
 
     _places: Places = PrivateAttr(default_factory=lambda: Places(Path("<description>")))
     _of_parts: dict[str, Description] = PrivateAttr(default_factory=dict)

@@ -63,7 +63,7 @@ class ToolChanger(Output):
         default=10.0, description="IL-02 without a stand bit: time after `arm` in which an unlock is accepted"
     )
     endings: ChangerEndings = Field(
-        default=ChangerEndings(), description="what each ending does to the unlock output"
+        default=ChangerEndings.model_construct(), description="what each ending does to the unlock output"
     )
     service: RosName = Field(default="SetToolChanger", description="ROS service")
 

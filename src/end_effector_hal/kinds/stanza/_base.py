@@ -37,9 +37,13 @@ def named(channel: str | None) -> str | None:
 
 
 class BaseStanza(BaseModel):
-    """One stanza of a description."""
+    """One stanza of a description.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    pydantic builds what reads a stanza at its first use, not at each start; therefore the default of a key that holds
+    a stanza is made with ``model_construct()``, which needs none of it.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
 
     @model_serializer(mode="wrap")
     def _written(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -48,9 +48,9 @@ class Endings(BaseStanza):
     """The endings of every actuator without its own. A Drop releases all actuators, whatever is declared."""
 
     gripping: GrippingEndings = Field(
-        default=GrippingEndings(), description="before GRIPPED: nothing is held yet"
+        default=GrippingEndings.model_construct(), description="before GRIPPED: nothing is held yet"
     )
-    held: HeldEndings = Field(default=HeldEndings(), description="while a part is held")
+    held: HeldEndings = Field(default=HeldEndings.model_construct(), description="while a part is held")
     power_up: Ending = Field(default="hold", description=_POWER_UP)
 
 
@@ -76,9 +76,9 @@ class OwnEndings(BaseStanza):
     """The endings of one actuator; a key that is not written is taken from `endings` of the whole tool."""
 
     gripping: OwnGrippingEndings = Field(
-        default=OwnGrippingEndings(), description="before GRIPPED: nothing is held yet"
+        default=OwnGrippingEndings.model_construct(), description="before GRIPPED: nothing is held yet"
     )
-    held: OwnHeldEndings = Field(default=OwnHeldEndings(), description="while a part is held")
+    held: OwnHeldEndings = Field(default=OwnHeldEndings.model_construct(), description="while a part is held")
     power_up: Ending | None = Field(default=None, description=_POWER_UP)
 
     def over(self, default: Endings) -> Endings:

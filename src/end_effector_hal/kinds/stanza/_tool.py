@@ -69,7 +69,8 @@ class Actuator(Output):
         description="conditions over channels that prove it, instead of what its kind proves; null: as its kind does",
     )
     endings: OwnEndings = Field(
-        default=OwnEndings(), description="what each ending does to this one; default: as for the whole tool"
+        default=OwnEndings.model_construct(),
+        description="what each ending does to this one; default: as for the whole tool",
     )
     service: RosName | None = Field(default=None, description="ROS service; default: Set + name in CamelCase")
     topic: RosName | None = Field(
