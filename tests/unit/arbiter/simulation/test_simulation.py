@@ -99,9 +99,9 @@ def _certain(memory: Any) -> Any:
     ("undo", "first"),
     [
         (a_record_that_is_switched_off_after_a_failure, 17),
-        (a_token_that_two_programs_share, 8),
+        (a_token_that_two_programs_share, 111),
         (a_table_of_faults_that_clients_can_fill, 680),
-        (a_last_will_that_is_executed_in_doubt, 100),
+        (a_last_will_that_is_executed_in_doubt, 111),
         (a_line_that_is_forgotten_when_the_description_changes, 8),
     ],
 )
