@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import threading
 import time
@@ -24,6 +25,8 @@ from end_effector_hal.nodes.process import ProcessEnd, Starters, Ticks, leave_wi
 from end_effector_hal.nodes.start import open_tool
 from end_effector_hal.nodes.transport import NodeTransport
 from end_effector_hal.runtime import Tool
+
+from ._transports import without_shared_memory
 
 LONGEST_END_S = 15.0
 """Longest time for an end in good order, s; longer than all its parts together."""
@@ -47,6 +50,7 @@ class Process:
 
     def __init__(self, argv: Sequence[str]) -> None:
         self.context = Context()
+        without_shared_memory(os.environ)
         try:
             rclpy.init(args=list(argv), context=self.context, signal_handler_options=SignalHandlerOptions.NO)
         except Exception as error:  # noqa: BLE001 rclpy has a class for each part of it

@@ -211,7 +211,6 @@ def apart(logs: Path) -> dict[str, str]:
     """
     return {
         "ROS_DOMAIN_ID": str(_free_domain()),
-        "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_LOG_DIR": str(logs),
         "PYTHONUNBUFFERED": "1",

@@ -55,12 +55,11 @@ def test_a_node_that_is_killed_while_a_part_is_held_is_back_and_moves_no_line(
     back(holding, node)
     holding.sees("GRIPPED", lambda state: state["state_name"] == "GRIPPED" and state["lift_allowed"])
     if node != "HALMain" and not together(holding):
-        # rclpy publishes without releasing the interpreter: while another node is discovered, readings may turn stale
-        heard = holding.after(begun)
-        assert {each["state_name"] for each in heard} == {"GRIPPED"}
-        odd = [each["alarms"] for each in heard if not each["lift_allowed"]]
-        unread = [alarms for alarms in odd if any(alarm.startswith("No valid reading") for alarm in alarms)]
-        assert odd == unread, "the tool does not notice the death of a face"
+        # on a busy machine a reading may be stale for a moment
+        heard = [each for each in holding.after(begun) if not each["stale"]]
+        noticed = [each for each in heard if (each["state_name"], each["lift_allowed"]) != ("GRIPPED", True)]
+        assert heard
+        assert not noticed, "the tool does not notice the death of a face"
     assert {each["held"] for each in holding.after(begun) if each["since_us"] == first} <= {True}
     assert holding.edges() == edges
     holding.sees(
