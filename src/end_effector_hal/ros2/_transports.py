@@ -12,7 +12,7 @@ from pathlib import Path
 _PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 """Name a file with transports; Fast DDS 3 reads the first, Fast DDS 2 the second."""
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-_TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+_TRANSPORTS, _UDP = "FASTDDS_BUILTIN_TRANSPORTS", "UDPv4"
 _LOOPBACK = Path(__file__).with_name("loopback.xml")
 
 
@@ -22,11 +22,11 @@ def without_shared_memory(env: MutableMapping[str, str]) -> None:
     Args:
         env: the environment of this process, before `rclpy.init`.
     """
-    if any(env.get(name) for name in (_TRANSPORTS, *_PROFILES)):
+    if any(env.get(name) for name in _PROFILES) or env.get(_TRANSPORTS, _UDP) != _UDP:
         return
     if env.get(_RANGE) == "LOCALHOST" and not env.get("ROS_STATIC_PEERS"):
         # for this range rmw_fastrtps adds shared memory itself
         env[_RANGE] = "SYSTEM_DEFAULT"
         env.update(dict.fromkeys(_PROFILES, str(_LOOPBACK)))
     else:
-        env[_TRANSPORTS] = "UDPv4"
+        env[_TRANSPORTS] = _UDP

@@ -21,15 +21,18 @@ def test_the_transport_is_udp(given: dict[str, str]) -> None:
     assert env == {**given, **UDP}
 
 
-def test_on_loopback_a_profile_replaces_what_the_middleware_would_add() -> None:
-    env = dict(LOCAL)
+@pytest.mark.parametrize("given", [{}, UDP], ids=["nothing", "udp"])
+def test_on_loopback_a_profile_replaces_what_the_middleware_would_add(given: dict[str, str]) -> None:
+    env = LOCAL | given
     without_shared_memory(env)
     assert env.pop(RANGE) == "SYSTEM_DEFAULT"
+    for name in given:
+        del env[name]
     assert {path.rpartition("/")[2] for path in env.values()} == {"loopback.xml"}
 
 
 @pytest.mark.parametrize("name", ["FASTDDS_BUILTIN_TRANSPORTS", "FASTRTPS_DEFAULT_PROFILES_FILE"])
 def test_what_a_user_chose_stays(name: str) -> None:
-    env = {**LOCAL, name: "chosen"}
+    env = {**LOCAL, name: "SHM"}
     without_shared_memory(env)
-    assert env == {**LOCAL, name: "chosen"}
+    assert env == {**LOCAL, name: "SHM"}
