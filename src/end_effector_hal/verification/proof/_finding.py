@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 
 from end_effector_hal.errors import ModelError
 from timed_automata import Network, Trace
@@ -92,8 +92,11 @@ class Requirement:
         return partial(Finding, self.id, self.sentence, str(self.query))
 
 
+@lru_cache(maxsize=4)
 def stored_requirements(network: Network) -> tuple[Requirement | Finding, ...]:
     """Return the requirements in the file of a network; an invalid query becomes an undecided finding with the reason.
+
+    They are cached by the network: a report of many runs, and a page, need those of one tool again and again.
 
     Raises:
         ModelError: two queries have the same id.
