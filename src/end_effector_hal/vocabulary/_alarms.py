@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 from ._tables import display_name
 from ._text import LONGEST_SENTENCE, printable
 
-_KEPT = "outputs stay as they are, only a Drop releases"
+_KEPT = "active outputs stay active, only a Drop releases"
 OVER = "Over: "
 """Prefix of the text of an alarm that has ended and waits for an acknowledgement."""
 ARBITER_LOST, STOPPED, E_STOPPED = "arbiter.lost", "arbiter.stopped", "arbiter.e_stopped"
@@ -98,8 +98,8 @@ ALARMS: Mapping[str, AlarmText] = {
         over="The supply pressure was under {warn_kpa:g} kPa while a part was held.",
     ),
     "grip.error": _error(
-        "GRIP_ERROR: {why} The outputs stay as they are; only a Drop releases.",
-        "GRIP_ERROR: The outputs stay as they are; only a Drop releases.",
+        "GRIP_ERROR: {why} Active outputs stay active; only a Drop releases.",
+        "GRIP_ERROR: Active outputs stay active; only a Drop releases.",
     ),
     "release.error": _error(
         "RELEASE_ERROR: {why} Remedy it, then Drop again.", "RELEASE_ERROR: Remedy it, then Drop again."

@@ -3,7 +3,7 @@
 The rules share no code with the controller or the line arbiter, and were not derived from observed behaviour.
 
 Rule 1 (held): from GRIPPED, or a latched GRIP_ERROR, until an accepted drop no output of the grip becomes inactive
-    (IL-09).
+    (IL-09); one whose release was owed before, and reported as owed, may.
 Rule 2 (order): released outputs become inactive in the release order, each one when the previous device is gone or
     its time is over; when a step is retried, only the output of the last active step becomes inactive. A board that
     restarts switches all its outputs at once.
@@ -22,9 +22,9 @@ Rule 7 (refusals): a grip is refused while a device still grips, the supply pres
     or the tool is not locked, or absent (IL-05 to IL-07), a resume while the link is silent or the tool is not locked
     or absent; a refusal has a reason.
 Rule 8 (unwound): the actuators that the dead program had engaged are deactivated as declared, while the
-    arbiter lives; a device that has restarted waits for a Drop, which activates it.
-Rule 9 (told): at rest, lines and state agree, or the evidence shows that a device waits for a Drop; a latched error, a
-    loss and missing sensor data have been reported.
+    arbiter lives and its buses answer; a device that has restarted waits for a Drop, which activates it.
+Rule 9 (told): at rest, lines and state agree, or the evidence shows that a device waits for a Drop, or an alarm that a
+    release is owed; a latched error, a loss and missing sensor data have been reported.
 Rule 10 (latched): faults latched by the line arbiter, and the sensor fault of the tool changer, stay until a reset,
     even if the program or the arbiter dies in between, or the power is lost.
 Rule 11 (late): a command is accepted only while a line arbiter lives that can execute it, and after its result no
@@ -250,6 +250,8 @@ class Judge:
                 self._object("latched", what)
         if since is not None and tool.at - since > self._longest_unlock_us:
             self._object("unlock", "the unlock output is active for longer than its longest time (IL-03)")
+        if self._unwound_by is not None and self._is_cut_off:
+            self._expect_unwinding()
         if self._unwound_by is not None and tool.at > self._unwound_by:
             self._unwound()
         return False
@@ -259,7 +261,7 @@ class Judge:
         status, active = self._tool.status, [name for name in self._sequence if self._active[name]]
         if HAL not in self._tool.living:
             return
-        if self._unwound_by is not None and self._arbiter.lives:
+        if self._unwound_by is not None and self._arbiter.lives and not self._is_cut_off:
             self._unwound()  # the program that began again could not before that was over
         if not still:
             self._object("told", f"not at rest in its time: {status.ee.name}, {status.command.name}")
@@ -282,9 +284,24 @@ class Judge:
         return self._reality.waits_for_a_drop(name, self._changed_at.get(self._line[name], self._begun))
 
     def _is_known_to_wait(self, name: str, status: Status) -> bool:
-        """Return whether a device waits for a Drop, and the tool shows that it is not gone."""
+        """Return whether a release is owed, or a device waits for a Drop and the tool shows that it is not gone."""
+        if self._is_owed(name, status):
+            return True
         evidence = status.evidence[self._sequence.index(name)]
         return self._waits_for_a_drop(name) and evidence is not Evidence.GONE
+
+    def _is_owed(self, name: str, status: Status) -> bool:
+        """Return whether a status shows an output as inactive, and reports that its device has not acknowledged it."""
+        owed = any(
+            each.id == "arbiter.fault" and each.about == f"output {self._line[name]}"
+            for each in status.alarms
+        )
+        return owed and not status.outputs[self._sequence.index(name)]
+
+    @property
+    def _is_cut_off(self) -> bool:
+        """Whether a bus with outputs was silent a moment ago: its releases come later."""
+        return bool(self._description.register_outputs) and not self._reality.is_read
 
     def _at_rest_held(self, status: Status, active: list[str]) -> None:
         used = self._used
@@ -372,7 +389,7 @@ class Judge:
             self._ended[name] = each.at
         if self._held and self._reality.lets_go(name):
             self.let_go = True
-        elif self._held and not self._may_be_let_go(name):
+        elif self._held and not (self._may_be_let_go(name) or self._is_owed(name, self._tool.statuses[-1])):
             self._object("held", f"{name} was deactivated while the part is held (IL-09)")
         if HAL in self._tool.living and not self._may_be_let_go(name) and self._is_late(each):
             self._object("late", f"{name} was deactivated when every command had its result")

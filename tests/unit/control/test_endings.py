@@ -99,7 +99,7 @@ def test_what_a_cancel_leaves_active_is_told() -> None:
     tool.run(8.0)
     why = "The grip was cancelled. Bottom vacuum stays active, as declared."
     assert tool.status.reason == why
-    assert f"GRIP_ERROR: {why} The outputs stay as they are; only a Drop releases." in tool.status.alarm_texts
+    assert f"GRIP_ERROR: {why} Active outputs stay active; only a Drop releases." in tool.status.alarm_texts
     assert not tool.command("grip").accepted
     assert not tool.command("cancel").accepted
     assert not tool.command("unlock").accepted

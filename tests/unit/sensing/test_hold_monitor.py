@@ -207,7 +207,7 @@ def test_stale_while_held_is_told_and_stays_told_when_it_is_over(description: De
     status = tool.status
     assert (status.ee, status.evidence[2], status.held, status.lift_allowed) == (GRIPPED, 0, True, False)
     assert status.alarm_texts == (
-        f"No valid reading of Top vacuum while it holds a part ({SENT_INVALID}); outputs stay as they are, only a "
+        f"No valid reading of Top vacuum while it holds a part ({SENT_INVALID}); active outputs stay active, only a "
         "Drop releases.",
     )
     choose(tool, "nominal")
@@ -238,7 +238,7 @@ def test_a_lost_grip_says_what_was_seen_and_what_to_do(description: Description)
     kpa = float(status.reason.split()[4])
     assert kpa < 50.0
     assert status.alarm_texts == (
-        f"GRIP_ERROR: {status.reason} The outputs stay as they are; only a Drop releases.",
+        f"GRIP_ERROR: {status.reason} Active outputs stay active; only a Drop releases.",
     )
 
 

@@ -11,7 +11,7 @@ from end_effector_hal.description import Description
 from end_effector_hal.errors import UsageError
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.testbench import offered_faults, parse_scenario
-from end_effector_lab.trials import Moment, cells_of
+from end_effector_lab.trials import Moment, case_from_words, cells_of, play_case
 from end_effector_lab.virtual import VirtualTool
 from tests.support.places import ROOT
 from tests.unit.virtual.test_unread_outputs import until
@@ -71,6 +71,22 @@ def test_what_is_held_stays_held_and_a_drop_is_done_when_the_network_is_back(
     assert not any(played.levels.values())
     assert played.command("drop").accepted
     until(played, STAND_BY)
+
+
+@pytest.mark.parametrize("dead", ["hal", "all"])
+def test_what_died_in_a_release_says_which_one_is_owed_when_the_port_is_closed(
+    tool: Description, dead: str
+) -> None:
+    """The releases come when the port is open again; until then no sentence may say that all outputs stay."""
+    case = case_from_words(
+        f"grip; wait 2; drop; wait 0.001; scenario closed-after:0; kill {dead}; wait 1; start {dead}", tool
+    )
+    trial = play_case(tool, case)
+    assert trial.failures == {}
+    told = trial.tool.statuses[trial.ended.statuses - 1]
+    owed = [each for each in told.alarm_texts if "the release is repeated until it is acknowledged" in each]
+    assert owed
+    assert not any("stay as they are" in each for each in told.alarm_texts)
 
 
 def test_an_activation_is_given_up_while_the_port_is_closed(tool: Description) -> None:

@@ -476,7 +476,8 @@ class BusOutput:
         shakes = self._repeats or (bool(self._steps) and isinstance(self._steps[0], Awaited))
         why = "its device does not answer the handshake" if shakes else "no device acknowledges it"
         why = f"its device refuses it with {self.refusal}" if self.refusal and not shakes else why
-        return f"is to be {'activated' if self.level else 'deactivated'}, and {why}"
+        again = ": the release is repeated until it is acknowledged"
+        return f"is to be activated, and {why}" if self.level else f"is to be deactivated, and {why}{again}"
 
     def _give_up(self, why: str) -> None:
         self._give_up_at = None

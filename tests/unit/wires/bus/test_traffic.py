@@ -92,7 +92,10 @@ def test_what_is_not_acknowledged_is_written_again_and_nobody_knows_how_it_stand
     assert len(gripper.written) > 10
     bus.wire = lambda request, answer: sealed(bytes([9, request[1] | 0x80, 2])) if writes(request) else answer
     bus.to(bus.at + 1 * S)
-    refused = "is to be deactivated, and its device refuses it with exception 2, illegal data address"
+    refused = (
+        "is to be deactivated, and its device refuses it with exception 2, illegal data address: the release is "
+        "repeated until it is acknowledged"
+    )
     assert bus.outputs.troubles(bus.at)[FINGERS] == refused
     bus.wire = lambda request, answer: answer
     bus.to(bus.at + 1 * S)
