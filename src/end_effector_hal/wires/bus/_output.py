@@ -93,7 +93,7 @@ class BusOutput:
         )
         self._quiet_until = 0  # the end of the pulse, or of the pause after it
         self._ordered_at = 0  # of the last command, also where a reset writes it once more
-        self._follows_at = 0  # a release that waits is written no sooner after the release before it
+        self._follows: dict[str, int] = {}  # times before which it is not written, by earlier releases
         self._give_up_at: int | None = None
         self._commanded_at = self._progress_at = self._written_at = self._late_us = 0
         self._reports: dict[str, tuple[bool, int, int]] = {}
@@ -118,6 +118,11 @@ class BusOutput:
         """Whether the command is not done by writing alone: a report of the device must come in between."""
         return self._undecided or any(isinstance(step, Awaited) for step in self._steps)
 
+    @property
+    def shakes_us(self) -> int:
+        """How long a handshake may take, µs; 0: the output needs none."""
+        return round(self.stanza.handshake.within_s * 1e6) if self.stanza.handshake else 0
+
     def command(self, level: bool, at: int, *, drop: bool = False, given_at: int | None = None) -> None:
         """Set the wanted level; the pending steps of an earlier command are discarded.
 
@@ -135,7 +140,7 @@ class BusOutput:
         )
         self._commanded_at = self._progress_at = at
         self._ordered_at = at if given_at is None else min(given_at, at)
-        self._follows_at = 0
+        self._follows = {}
         self.alone = self._repeats = self.refused = False
         self.refusal, self.in_vain = "", 0
         self._sent = None  # the device may have restarted since, and have lost what it had
@@ -243,7 +248,7 @@ class BusOutput:
     @property
     def due_at(self) -> int:
         """The time, µs, before which nothing is written; the end of a pulse follows no other output."""
-        return self.retry_at if self.rests else max(self.retry_at, self._follows_at)
+        return self.retry_at if self.rests else max([self.retry_at, *self._follows.values()])
 
     def sent(self, row: Row) -> None:
         """Record that a row was sent."""
@@ -273,15 +278,13 @@ class BusOutput:
                 self._be_quiet(at, self.stanza.pulse_s)
 
     def follow(self, other: BusOutput, release_us: int, at: int) -> None:
-        """Keep the interval of the commands after an earlier release, which was acknowledged now.
+        """Keep the interval of the commands after an earlier release, which is acknowledged at ``at``.
 
         Releases that had to wait for a device would otherwise be written together, those of a Drop as well. No
         interval is longer than ``release_us``, which the release of the other takes.
         """
         if self.owed and self.turn > other.turn:
-            self._follows_at = max(
-                self._follows_at, at + min(self._ordered_at - other._ordered_at, release_us)
-            )
+            self._follows[other.name] = at + min(self._ordered_at - other._ordered_at, release_us)
 
     def failed(self, at: int) -> None:
         """Record that the last write was not acknowledged: it is repeated.

@@ -121,13 +121,13 @@ class BusOutputs:
     def reopened(self, at: int) -> None:
         """Record that the port is open again: all that is pending is due now, in the order of the commands.
 
-        A release that its device must first answer, as in a handshake, is not done at once: later ones keep their
-        interval from now on, and again from its end.
+        A release that its device must first answer is not done at once: later ones keep their interval after its end,
+        or after the time that its handshake may take.
         """
         for each in self._outputs.values():
             each.reopened(at)
             if each.owed and each.waits_for_device:
-                self._followed(each, at)
+                self._followed(each, at + each.shakes_us)
 
     def sent(self, write: RegisterWrite) -> None:
         """Record that a write was sent."""

@@ -102,16 +102,18 @@ def test_after_the_port_was_lost_the_units_are_written_in_the_order_of_the_comma
     assert order == [(1, 10, 0), (3, 0, 0), (1, 0, 0)]
 
 
-def test_a_handshake_is_not_overtaken_when_the_port_opens() -> None:
-    """The jaws were released 2 s before the cup, on another unit, and their handshake takes a while."""
+@pytest.mark.parametrize(("later_ms", "takes_ms"), [(2000, 20), (50, 300)])
+def test_a_handshake_is_not_overtaken_when_the_port_opens(later_ms: int, takes_ms: int) -> None:
+    """The jaws were released before the cup, on another unit; their handshake may take longer than that."""
     order: list[tuple[int, int, int]] = []
     cup = "  cup: {kind: vacuum, channel: kpa, modbus: {unit: 3, address: 0, command_on: [1], command_off: [7]}}\n"
     text = HANDSHAKE.replace("[jaws]", "[cup, jaws]").replace("supply:", f"{cup}supply:")
     text = text.replace("sequence:", "  kpa: {modbus: {unit: 3, address: 20}, unit: kPa}\nsequence:")
     tool, jaws = described(text), HandshakeGripper()
+    jaws.takes_us = takes_ms * MS
     bus = Bus(tool, {})
     bus.outputs.command({JAWS: False}, bus.at)
-    bus.at += 2 * S
+    bus.at += later_ms * MS
     bus.outputs.command({LAST: False}, bus.at)
     bus.at += 2 * S
     bus.server = RtuServer({1: jaws, 3: Device(3, order)})
