@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-from end_effector_hal.codecs import codec_names, declared, get_codec
+from end_effector_hal.codecs import OWN_DECODERS, codec_names, declared, get_codec
 from end_effector_hal.codecs.conformance import check_frames
 from end_effector_hal.errors import LinkError, UsageError
 from end_effector_hal.signals import Frame, Kind
@@ -387,6 +387,22 @@ def test_a_codec_that_does_not_return_is_down_and_can_be_closed(
         thread.join(PATIENCE_S)
         assert not thread.is_alive()
         assert len(heard.frames) == begun, "nothing is delivered after close()"
+
+
+def test_a_built_in_decoder_is_watched_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls, hung = CodecCalls("port"), []
+    decoder = GuardedDecoder(get_codec("ees1-cobs"), calls)
+    monkeypatch.setattr(_guard, "HUNG_US", 0)
+
+    def feed(_: object, data: bytes, at: int) -> list[Frame]:
+        hung.append(calls.hung)
+        return []
+
+    assert type(decoder._decoder) in OWN_DECODERS
+    monkeypatch.setattr(type(decoder._decoder), "feed", feed)
+    with pytest.raises(LinkError, match=r"feed\(\) took"):
+        decoder.feed(b"a")
+    assert "has not returned from feed() for " in hung[0][0]
 
 
 @pytest.mark.wall

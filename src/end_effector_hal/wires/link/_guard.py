@@ -187,10 +187,7 @@ class GuardedDecoder:
         """
         at = now_us()
         if self._ours:
-            try:
-                frames = self._decoder.feed(data, at)
-            except Exception as error:
-                raise self._calls.failure(f"feed() raised {named(error)}") from error
+            frames = self._calls.run("feed()", lambda: self._decoder.feed(data, at))
             for frame in frames:
                 self._arrivals.take(frame)
             self.faults = (self._arrivals.text,) if self._arrivals.text else ()
