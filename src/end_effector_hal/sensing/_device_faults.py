@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from end_effector_hal.description import Description, DeviceAlarm
-from end_effector_hal.signals import ChannelReadings, Value
+from end_effector_hal.signals import Value
 from end_effector_hal.vocabulary import Alarm, display_name
+
+from ._readings import Readings
 
 
 class DeviceFault(NamedTuple):
@@ -42,8 +44,12 @@ class DeviceFault(NamedTuple):
         return Alarm(self.id, self.name, self.values, at)
 
 
+_Judged = tuple[tuple[DeviceFault, ...], tuple[str, ...]]
+"""The present faults, and the channels without a fresh reading."""
+
+
 class DeviceFaults:
-    """The channels that are alarms of devices. The object has no memory: it judges the present readings.
+    """The channels that are alarms of devices. The present readings are judged once, however often somebody asks.
 
     Args:
         description: the tool.
@@ -56,13 +62,11 @@ class DeviceFaults:
             name: frozenset(actuator for alarm in each.alarm for actuator in alarm.unproven)
             for name, each in self.channels.items()
         }
+        self._judged: tuple[object, int, _Judged] = None, 0, ((), ())
 
-    def standing(self, readings: ChannelReadings, at: int) -> Iterator[DeviceFault]:
-        """Yield the faults that fresh readings show at ``at`` µs."""
-        for name in self.channels:
-            value = readings.get(name, at)
-            if value and (alarm := self.channels[name].alarm_of(value)):
-                yield DeviceFault(_named(name, alarm), name, alarm, int(value))
+    def standing(self, readings: Readings, at: int) -> tuple[DeviceFault, ...]:
+        """Return the faults that fresh readings show at ``at`` µs."""
+        return self._judge(readings, at)[0]
 
     def shown(self, values: Mapping[str, Value], *, latching: bool) -> Iterator[str]:
         """Yield the channels whose value shows a fault that prevents a grip.
@@ -80,11 +84,11 @@ class DeviceFaults:
         alarm = next((each for each in alarms if _named(channel, each) == name), None)
         return DeviceFault(name, channel, alarm, int(code or 1)) if alarm else None
 
-    def unknown(self, readings: ChannelReadings, at: int) -> tuple[str, ...]:
+    def unknown(self, readings: Readings, at: int) -> tuple[str, ...]:
         """Return the channels without a fresh reading."""
-        return tuple([name for name in self.channels if readings.get(name, at) is None])
+        return self._judge(readings, at)[1]
 
-    def unproven(self, readings: ChannelReadings, at: int) -> frozenset[str]:
+    def unproven(self, readings: Readings, at: int) -> frozenset[str]:
         """Return the actuators whose sensors prove nothing.
 
         The reason is a fault, or a channel without a fresh reading.
@@ -104,7 +108,7 @@ class DeviceFaults:
             if any(refuses(alarm, latching) for alarm in each.alarm)
         )
 
-    def well(self, readings: ChannelReadings, at: int, *, latching: bool) -> dict[str, bool]:
+    def well(self, readings: Readings, at: int, *, latching: bool) -> dict[str, bool]:
         """Return by channel whether its fresh reading shows no fault that prevents a grip.
 
         ``latching`` selects faults that latch, or those that do not. Channels without a fresh reading are left out.
@@ -112,6 +116,20 @@ class DeviceFaults:
         bad = {each.channel for each in self.standing(readings, at) if refuses(each.alarm, latching)}
         unknown = self.unknown(readings, at)
         return {name: name not in bad for name in self.refusing(latching=latching) if name not in unknown}
+
+    def _judge(self, readings: Readings, at: int) -> _Judged:
+        of, asked_at, found = self._judged
+        if of is readings.read_at and asked_at == at:
+            return found
+        standing, unknown = list[DeviceFault](), list[str]()
+        for name, each in self.channels.items():
+            if (value := readings.get(name, at)) is None:
+                unknown.append(name)
+            elif value and (alarm := each.alarm_of(value)):
+                standing.append(DeviceFault(_named(name, alarm), name, alarm, int(value)))
+        found = tuple(standing), tuple(unknown)
+        self._judged = readings.read_at, at, found
+        return found
 
 
 def _named(channel: str, alarm: DeviceAlarm) -> str:

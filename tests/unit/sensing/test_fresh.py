@@ -7,9 +7,10 @@ from random import Random
 
 import pytest
 
-from end_effector_hal.codecs import carrier_of, sources_of
+from end_effector_hal.codecs import carrier_of, load_tool, sources_of
 from end_effector_hal.description import load, profile_path
 from end_effector_hal.sensing import SensorState
+from end_effector_hal.sensing._readings import Readings
 from end_effector_hal.signals import Frame, Kind, PassingReadings, clone
 
 
@@ -49,3 +50,24 @@ def test_the_fresh_values_are_the_ones_that_were_read_recently(tool: str) -> Non
         before = dict(other.readings.fresh)
         list(state.take(Frame(now + 1, None, None, values)))
         assert other.readings.fresh == before, "a copy is independent"
+
+
+def test_the_faults_of_a_device_are_judged_once_for_all_who_ask(monkeypatch: pytest.MonkeyPatch) -> None:
+    description = load_tool(Path("examples/tools/epick_commanded/end_effector.yaml"))
+    state, at, asked = SensorState(description, carrier_of(description)), 1_000_000, list[str]()
+    faults, code = state.faults, dict.fromkeys(state.faults.channels, 0)
+    assert code
+    list(state.take(Frame(at, None, None, code)))
+
+    def get(_: Readings, channel: str, at: int) -> int:
+        asked.append(channel)
+        return 0
+
+    monkeypatch.setattr(Readings, "get", get)
+    for latching in (False, True):
+        assert all(faults.well(state.readings, at, latching=latching).values())
+    assert not faults.standing(state.readings, at)
+    assert not faults.unproven(state.readings, at)
+    assert not asked
+    assert not faults.unknown(state.readings, at + 1)
+    assert asked == list(code), "another time"
