@@ -24,9 +24,6 @@ START_S = 60.0
 LATCHED = ("Over:", "GRIP_ERROR:", "RELEASE_ERROR:", "IL-03:", "The tool changer is in FAULT")
 """Alarms that stay on purpose: of what is over, of the state that is expected, of what the line arbiter has ended."""
 
-UNREAD = "is not known: its bus cannot be read"
-"""Of an output that nobody has commanded yet; latched as well, and `link_up` says whether it is read again."""
-
 
 class Plant(World):
     """The hardware alone; the line arbiter comes with the nodes, and is started again as they are."""
@@ -144,11 +141,7 @@ class System(ABC):
     def is_up(self) -> bool:
         """Every node was heard just now, the link is up, the program holds its lease."""
         state = self.hands.look()
-        obstacles = [
-            alarm
-            for alarm in state.get("alarms", ())
-            if not alarm.startswith(LATCHED) and UNREAD not in alarm
-        ]
+        obstacles = [alarm for alarm in state.get("alarms", ()) if not alarm.startswith(LATCHED)]
         up = not self._silent() and bool(state) and state["link_up"] and not obstacles
         return up and HAL in self.clients_of_the_arbiter()
 

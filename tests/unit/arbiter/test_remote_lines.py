@@ -199,7 +199,7 @@ def test_no_unlock_before_a_release_is_acknowledged() -> None:
 
 def test_trouble_is_a_latched_fault_that_a_reset_clears_when_it_is_over() -> None:
     far = Far(True)
-    rules = arbiter(far)
+    rules = released(far)
     far.trouble = "is to be deactivated, and no device acknowledges it"
     rules.advance(1 * S)
     told = f"{FINGERS} {far.trouble}."
@@ -214,9 +214,10 @@ def test_trouble_is_a_latched_fault_that_a_reset_clears_when_it_is_over() -> Non
 
 
 def test_trouble_is_over_when_its_line_was_activated_again_and_its_device_confirms_that() -> None:
-    far = Far(True)
+    far = Far(False)
     rules = arbiter(far)
     grip = rules.hello("grip", TOKEN, (FINGERS,), (), 0)
+    rules.write(grip, {FINGERS: True}, None, 500 * MS)
     far.known, far.trouble = None, "is not activated any more: its device was restarted, or has a fault"
     rules.advance(1 * S)
     told = dict(rules.predicates.faults)
@@ -231,6 +232,22 @@ def test_trouble_is_over_when_its_line_was_activated_again_and_its_device_confir
     assert rules.predicates.faults == told, "its device has not confirmed it yet"
     far.known = True
     rules.advance(7 * S)
+    assert not rules.predicates.faults
+
+
+def test_that_an_output_cannot_be_read_is_over_when_it_is_read_again() -> None:
+    """Nobody has commanded it; the fault may be that of an earlier arbiter."""
+    far = Far(None)
+    far.trouble = "is not known: its bus cannot be read"
+    rules = arbiter(far)
+    rules.advance(1 * S)
+    with pytest.raises(LineRefusedError, match="cannot be read: this fault stays"):
+        rules.reset(2 * S)
+    rules = arbiter(far, rules.state, 3 * S)
+    rules.advance(4 * S)
+    assert rules.predicates.faults == {f"unread {FINGERS}": f"{FINGERS} {far.trouble}."}
+    far.known, far.trouble = False, ""
+    rules.advance(5 * S)
     assert not rules.predicates.faults
 
 

@@ -16,7 +16,7 @@ from typing import NoReturn
 
 from end_effector_hal.arbiter.protocol import LastWillRunsError
 from end_effector_hal.arbiter.rules._interlocks import LineInterlocks
-from end_effector_hal.arbiter.rules._lines import DROP_FIRST, OutputLines, left_behind
+from end_effector_hal.arbiter.rules._lines import DROP_FIRST, UNREAD, OutputLines, left_behind
 from end_effector_hal.arbiter.rules._policy import Policy
 from end_effector_hal.arbiter.rules._predicates import STOP, SensorPredicates
 from end_effector_hal.arbiter.rules._session import ArbiterState, DrivenLine, Session, SessionRecord, Write
@@ -352,12 +352,14 @@ class LineArbiter:
 
     def _note_troubles(self) -> None:
         """Latch the troubles of the outputs that a device writes, and end those that are over."""
-        for name, why in self._lines.troubles().items():
-            if name not in self.predicates.faults:
+        faults, found = self.predicates.faults, self._lines.troubles()
+        for name, why in found.items():
+            if name not in faults:
                 _log.error("%s", why)
             self.predicates.latch(name, why)
-        for name in self._lines.recovered() & self.predicates.faults.keys():
-            _log.info("fault over, the output was activated again: %s", self.predicates.faults.pop(name))
+        read = {name for name in faults if name.startswith(f"{UNREAD} ")} - found.keys()
+        for name in read | (self._lines.recovered() & faults.keys()):
+            _log.info("fault over, the output was activated or read again: %s", faults.pop(name))
 
     def may_end(self, asked_at: int, at: int) -> bool:
         """Return whether an arbiter that was asked to end at ``asked_at`` has nothing left to wait for.

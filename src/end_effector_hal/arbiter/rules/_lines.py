@@ -52,6 +52,8 @@ class OutputLines:
         self._unsure = self.remote.unsure() if self.remote else frozenset[str]()
         self._renewed: set[str] = set()
         """Lines of devices that were activated since their last trouble."""
+        self._commanded: set[str] = set()
+        """Lines that were written since the start."""
         self.unbounded = set[str]()
         """Lines that were active at the start and whose role no record has: their activation has no time limit."""
 
@@ -69,6 +71,7 @@ class OutputLines:
         if not changes:
             return
         self._before_change()
+        self._commanded |= changes.keys()
         try:
             if self.coils:
                 # an activation that fails half way counts: in doubt something is held
@@ -151,18 +154,25 @@ class OutputLines:
         return self.remote.owed() if self.remote else frozenset()
 
     def troubles(self) -> dict[str, str]:
-        """Return the troubles of outputs that a device writes: sentences by the name of the fault."""
+        """Return the troubles of outputs that a device writes: sentences by the name of the fault.
+
+        What was not written since the start has the fault `UNREAD`, which ends by itself.
+        """
         if self.remote is None:
             return {}
         found = self.remote.troubles()
         self._renewed.difference_update(found)
-        return {_fault(line): f"{self._policy.called(line)} {why}." for line, why in found.items()}
+        return {
+            f"{'output' if line in self._commanded else UNREAD} {line}": f"{self._policy.called(line)} {why}."
+            for line, why in found.items()
+        }
 
     def recovered(self) -> frozenset[str]:
         """Return the names of faults that are over: the line was activated again, and its device confirms it."""
         if self.remote is None:
             return frozenset()
-        return frozenset(map(_fault, self._renewed.difference(self.remote.unsure(), self._half_done)))
+        sure = self._renewed.difference(self.remote.unsure(), self._half_done)
+        return frozenset(f"output {line}" for line in sure)
 
     def last_ready_at(self, writes: Iterable[Write]) -> int:
         """Return the time at which the last of these writes can be applied if all are applied as early as possible,
@@ -200,10 +210,8 @@ class OutputLines:
         }
 
 
-def _fault(line: str) -> str:
-    return f"output {line}"
-
-
+UNREAD = "unread"
+"""Begins the name of a fault: an output without a command is not known, because its bus cannot be read."""
 DROP_FIRST = (
     "Drop first: restore the former description, start the line arbiter and the programs with it, Drop (or switch the "
     "output off), and end them. Then change the description. Until then no line is touched."

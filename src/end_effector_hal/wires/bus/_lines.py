@@ -226,7 +226,6 @@ class BusLines:
                     while opened.connecting and not self._ended:
                         if self._wait(LONGEST_WAIT_S, opened):
                             opened.establish()
-                    self._error = ""
                     self._talk(opened)
             except Exception as error:  # noqa: BLE001 a driver may raise anything: this thread outlives it
                 port, self._error = None, str(error) or type(error).__name__
@@ -269,7 +268,7 @@ class BusLines:
             cycles = []
             if ready:
                 data = port.read()
-                self._wait_s, self._logged = FIRST_WAIT_S, ""
+                self._wait_s, self._error, self._logged = FIRST_WAIT_S, "", ""
                 with self._lock:
                     cycles.append(traffic.feed(data, now_us()))
             with self._lock:

@@ -98,7 +98,7 @@ class RemoteLines(Protocol):
         ...
 
     def troubles(self) -> Mapping[str, str]:
-        """Return the present troubles, a clause by line."""
+        """Return the present troubles, a clause by line; of a line that was never set: that it cannot be read."""
         ...
 
     def filenos(self) -> Sequence[int]:
