@@ -99,7 +99,6 @@ def machine(tmp_path_factory: pytest.TempPathFactory, packages: tuple[Path, Path
         (root / path[1:]).write_text(
             tool.replace("backend: gpiod", f"backend: virtual\n  path: {wires}.chip")
         )
-    shutil.copy(profile_path().with_suffix(".xml"), root / "etc/eehal")
     shutil.copy(PROGRAM, root / "etc/eehal")
     shutil.copytree(GAUGE, root / "root/gauge")
     with (folder / "log").open("w") as log:
