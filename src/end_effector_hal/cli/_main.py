@@ -9,6 +9,7 @@ import importlib
 import os
 import sys
 from difflib import get_close_matches
+from io import FileIO, TextIOWrapper
 from typing import Any, TextIO
 
 import click
@@ -17,7 +18,7 @@ from end_effector_hal._extras import lab_installed, lab_needed, missing_extra
 from end_effector_hal.errors import ReportedError, UsageError
 from end_effector_hal.plugins import Plugins
 
-from ._output import NO_ROOM, print_line
+from ._output import LOST, print_line
 
 GROUP = "end_effector_hal.commands"
 """Entry-point group of further commands; a command of this package has precedence over one of the same name."""
@@ -78,7 +79,9 @@ _JUDGING = (
     "campaign", "check", "compare", "doctor", "import", "matrix", "model", "replay", "report", "verify",
 )  # fmt: skip
 """Commands that end by themselves and whose exit code states their result."""
-_UNWRITABLE = (*NO_ROOM, errno.EIO)
+_SERVING = ("arbiter", "page", "testbench")
+"""Commands that go on without their output."""
+_UNWRITABLE = (*LOST, errno.EIO)
 _LIMITS = "Look at its limits: ulimit -a; under systemd TasksMax and MemoryMax."
 _PLACES = {
     **{name: f"_arbiter:{name}" for name in ("arbiter", "reload", "reset", "stop")},
@@ -171,7 +174,10 @@ def main() -> None:
     sys.stderr = _Pipe(
         stderr, OSError
     )  # a message that nobody can read changes neither the work nor the exit code
-    if any(each in _JUDGING for each in sys.argv[1:2]):
+    command = "".join(sys.argv[1:2])
+    if command in _SERVING:
+        sys.stdout = _Pipe(stdout, OSError)
+    if command in _JUDGING:
         sys.stdout = _Pipe(stdout, BrokenPipeError)
         # all of it goes with the process: to look for what nothing refers to takes a tenth of a second
         atexit.register(gc.freeze)
@@ -189,12 +195,16 @@ def main() -> None:
 
 
 def _open_closed_streams() -> None:
-    """Replace a closed standard stream by an empty one, so that no file that is opened later gets its number."""
+    """Replace a closed standard stream by an empty one, so that no file that is opened later gets its number.
+
+    It can only be read: writing to it fails, as on a full disk.
+    """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
-            nowhere = os.open(os.devnull, os.O_RDWR)
+            nowhere = os.open(os.devnull, os.O_RDONLY)
             os.set_inheritable(nowhere, nowhere == number)  # what this process starts has its streams as well
-            setattr(sys, name, open(nowhere, "r" if number == 0 else "w", closefd=False))  # noqa: SIM115 it is there until the end
+            raw = FileIO(nowhere, "r" if number == 0 else "w", closefd=False)
+            setattr(sys, name, TextIOWrapper(raw, write_through=True))
 
 
 class _Pipe:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of an output that goes to a disk without room for it."""
+LOST = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EBADF)
+"""Errors of an output that goes to a disk without room for it, or was closed before the start."""
 SCHEMA_VERSION = 1
 """Increased when a field is removed or changes its meaning; new fields do not change it."""
 

@@ -1,4 +1,4 @@
-"""Every command of ``eehal`` with standard streams that are closed: it does what it does with an empty file there."""
+"""Every command of ``eehal`` with closed standard streams: its input is empty, its output cannot be written."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from end_effector_hal.description import load, profile_path
+from end_effector_hal.arbiter import ArbiterClient
+from end_effector_hal.description import load, profile_path, socket_path
 from end_effector_lab.demo._world import World
 from end_effector_lab.processes import EEHAL
 from end_effector_lab.testbench import write_description
@@ -18,12 +19,13 @@ from tests.support.patience import PATIENCE_S, wait_until
 from tests.support.refuted import REFUTED
 
 pytestmark = [pytest.mark.wall, pytest.mark.timeout(300)]
-ENDING = {
-    "--help": 0, "check {tool}": 0, "doctor {tool}": 3, "init {new}": 0, "listen {tool} --seconds 1": 0,
-    "model check {model}": 0, "reload {tool}": 3, "reset {tool}": 0, "run {tool}": 0, "run {tool} --script status": 0,
-    "stop {tool}": 0, "testbench --list": 0, "verify --model {model}": 4,
-}  # fmt: skip
-"""Commands that end by themselves, with their exit code; doctor and reload miss the program of the tool."""
+LOST = "The output cannot be written: Bad file descriptor."
+PRINTING = (
+    "--help", "--version", "check {tool}", "devices", "doctor {tool}", "init {new}", "listen {tool} --seconds 1",
+    "model check {model}", "plugin list", "reset {tool}", "run {tool}", "run {tool} --script status", "schema",
+    "stop {tool}", "verify --model {model}",
+)  # fmt: skip
+"""Commands that end by themselves and print."""
 
 
 @pytest.fixture(scope="module")
@@ -45,20 +47,27 @@ def closed(words: str, names: dict[str, str], streams: str) -> subprocess.Popen[
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
 
 
-@pytest.mark.parametrize("words", ENDING)
-def test_a_command_ends_as_it_does_with_empty_streams(words: str, names: dict[str, str]) -> None:
+@pytest.mark.parametrize("words", PRINTING)
+def test_a_command_whose_output_is_lost_says_so(words: str, names: dict[str, str]) -> None:
     with closed(words, names, "<&- >&-") as process:
-        said = process.communicate(timeout=PATIENCE_S)[1]
-    assert "Traceback" not in said
-    assert process.returncode == ENDING[words], said
-    if words == "run {tool}":
-        assert said.startswith("Standard input ended before the first command.")
+        said = process.communicate(timeout=PATIENCE_S)[1].splitlines()
+    assert (process.returncode, said[-1]) == (2, LOST)
+    assert len(said) == (2 if words == "run {tool}" else 1), said
+    if words == "stop {tool}":
+        with ArbiterClient(socket_path(load(Path(names["tool"]))), "test", patience_s=0) as arbiter:
+            assert arbiter.status()["faults"], "it is carried out"
+
+
+def test_a_command_that_prints_nothing_ends_as_ever(names: dict[str, str]) -> None:
+    with closed("reload {tool}", names, "<&- >&-") as process:
+        assert LOST not in process.communicate(timeout=PATIENCE_S)[1]
+    assert process.returncode == 3, "the program of the tool does not run"
 
 
 def test_without_standard_error_as_well(names: dict[str, str]) -> None:
     for words in ("--help", "run {tool} --script status"):
         with closed(words, names, "<&- >&- 2>&-") as process:
-            assert process.wait(PATIENCE_S) == 0
+            assert process.wait(PATIENCE_S) == 2
 
 
 def test_what_serves_does_so_until_a_signal(names: dict[str, str]) -> None:

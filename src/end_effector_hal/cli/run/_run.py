@@ -141,7 +141,7 @@ def serve(as_json: bool, **options: Any) -> None:
     fault; 3 the line arbiter or the sensors cannot be reached.
     """
     from ._journal import journal_of
-    from ._voices import JsonLines, Words
+    from ._voices import JsonLines, Words, ignore_broken_output
 
     wanted = Wanted(**options)
     voice = JsonLines() if as_json else Words(journal=journal_of(wanted.description))
@@ -149,7 +149,9 @@ def serve(as_json: bool, **options: Any) -> None:
     with ExitStack() as stack:
         tool = open_tool(stack, wanted, record, voice, shown=False).tool
         if not as_json:
-            click.echo(f"{tool.description.name} is served: eehal do {tool.description.source} status")
+            ignore_broken_output(click.echo)(
+                f"{tool.description.name} is served: eehal do {tool.description.source} status"
+            )
         while tool.alive and not ended.wait(LOOK_S):
             pass
         said = tool.ending()

@@ -16,7 +16,7 @@ from queue import Empty, SimpleQueue
 
 import click
 
-from end_effector_hal.cli._output import NO_ROOM
+from end_effector_hal.cli._output import LOST
 from end_effector_hal.control import Answer
 from end_effector_hal.control.goals import Outcome
 from end_effector_hal.errors import ReportedError, UsageError
@@ -279,7 +279,7 @@ class Prompt:
             try:
                 left = left[os.write(number, left[: select.PIPE_BUF]) :]
             except OSError as error:
-                self.lost = error if error.errno in NO_ROOM else self.lost
+                self.lost = error if error.errno in LOST else self.lost
                 raise
 
     def commands(self, refuse: Callable[[ReportedError], None]) -> Iterator[ScriptCommand]:
