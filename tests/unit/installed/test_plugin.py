@@ -10,12 +10,15 @@ import stat
 import sys
 import zipfile
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from packaging.specifiers import SpecifierSet
 
 from end_effector_hal import plugins
-from end_effector_hal.cli.plugin import _check, _package
+from end_effector_hal.cli.plugin import _check, _package, _requirement
+from end_effector_hal.cli.plugin._requirement import unmet
 from end_effector_hal.cli.plugin._store import add, added, remove
 from end_effector_hal.codecs import codec_names, get_codec
 from end_effector_hal.errors import UsageError
@@ -101,6 +104,7 @@ def test_it_is_replaced_and_removed(tmp_path: Path, folder: Path) -> None:
     assert (list(added()), list(folder.iterdir())) == ([], [])
 
 
+CLICK = version("click")
 BAD = {
     "own name": ({"points": CODEC + 'ees1-ascii = "scale:codec"\n'}, "end-effector-hal has a codec ees1-ascii already"),
     "own kind": (
@@ -115,6 +119,8 @@ BAD = {
     "no module": ({"points": CODEC + 'scale = "balance:codec"\n'}, "names the module balance, which is not in it"),
     "no object": ({"points": CODEC + 'scale = "scale; import os"\n'}, "is no NAME"),
     "a need": ({"needs": '"click", "no-such-package>=2"'}, "needs no-such-package, which is not installed"),
+    "another version": ({"needs": '"click>=8.1,<8.1.1"'}, f"needs click>=8.1,<8.1.1, and {CLICK} is installed"),
+    "no requirement": ({"needs": '"&click"'}, "needs '&click', which is no requirement"),
     "no project": ({"points": "[project"}, "with name and version (TOMLDecodeError"),
     "it raises": ({"code": "import nowhere"}, "No module named 'nowhere'"),
     "no codec": ({"code": "codec = 1"}, "this is not a codec"),
@@ -209,6 +215,51 @@ def test_a_broken_one_is_listed_and_stops_nobody_else(tmp_path: Path, folder: Pa
     assert empty.fault == "This folder is no plug-in: remove it."
     assert get_codec("gauge").name == "gauge"
     assert get_codec("ees1-ascii").name == "ees1-ascii"
+
+
+def test_the_list_says_that_an_upgrade_has_brought_another_version(tmp_path: Path, folder: Path) -> None:
+    add(package(tmp_path, WHEEL["scale.py"], needs='"click>=8", "numpy>=3; python_version<\'3\'"'))
+    (found,) = added()
+    assert found.fault == ""
+    (about,) = folder.rglob("METADATA")
+    about.write_text(about.read_text().replace("click>=8", "click<8"))
+    (found,) = added()
+    assert found.fault == f"It needs click<8, and {CLICK} is installed."
+
+
+VERSIONS = (
+    "1.9",
+    "2",
+    "2.0.0",
+    "2.0.1",
+    "2.1.dev3",
+    "2.1a1",
+    "2.1rc2",
+    "2.1",
+    "2.1.post1",
+    "2.10.3",
+    "3.0+local",
+    "1!1.0",
+)
+WANTED = (
+    "==2", "==2.0.*", "!=2.1.*", "!=2.1", ">=2.1", ">2.0", "<=2.1", "<2.1.dev3", "~=2.0", "~=2.1.0", ">=2.1rc1",
+    "==2.1rc2", ">=2.0, <2.10", "(>=2.1)", "==1!1.*", "",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("wanted", WANTED)
+def test_versions_are_compared_as_pip_does(wanted: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = SpecifierSet(wanted.strip("()"))
+    for installed in VERSIONS:
+        monkeypatch.setattr(_requirement, "version_of", lambda _, found=installed: found)
+        assert (unmet([f"pack[fast]{wanted}"]) == "") is known.contains(installed, prereleases=True), (
+            installed
+        )
+
+
+@pytest.mark.parametrize("clause", ["===2", ">=two", "2", ">=" + "1" * 200])
+def test_what_cannot_be_compared_is_refused(clause: str) -> None:
+    assert unmet([f"click {clause}"])
 
 
 def test_a_later_product_that_has_the_same_name_wins_and_the_list_says_so(

@@ -32,8 +32,8 @@ def add_plugin(package: Path) -> None:
 
     A plug-in is code that you trust: it runs once now, as the user who adds it, and then in every program that uses
     it. Of a folder the modules are copied that its entry points name; no build program runs. It is refused
-    if it declares no entry point of this product, has a name that exists already, or needs what is not installed
-    (versions are not compared).
+    if it declares no entry point of this product, has a name that exists already, or needs a package that is
+    not installed in the version that it names (a requirement with a condition, `; …`, is not compared).
     """
     found = add(package)
     click.echo(f"{found.name} {found.version} is in {plugins.FOLDER}: {', '.join(found.brings)}.")

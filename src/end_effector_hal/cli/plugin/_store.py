@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import compileall
-import re
 import shutil
 import sys
 from collections.abc import Iterator
@@ -14,12 +13,13 @@ from importlib.metadata import Distribution, distributions, entry_points
 from pathlib import Path
 
 from end_effector_hal import plugins
-from end_effector_hal._extras import DISTRIBUTION, version_of
+from end_effector_hal._extras import DISTRIBUTION
 from end_effector_hal.errors import UsageError, os_errors
 from end_effector_hal.owned import owned_folder
 
 from ._check import brought, faults
 from ._package import Package, normalized, read_package
+from ._requirement import unmet
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,12 @@ def added() -> Iterator[Added]:
     for folder in plugins.added_folders():
         for found in distributions(path=[str(folder)]):
             hidden = [brought(each) for each in found.entry_points if (each.group, each.name) in own]
-            fault = f"{DISTRIBUTION} has {', '.join(hidden)} of its own." if hidden else ""
-            brings = tuple(map(brought, found.entry_points))
-            yield Added(folder.name, found.version, brings, fault or " ".join(faults(folder).values()))
+            brings, lacking = tuple(map(brought, found.entry_points)), unmet(found.requires or ())
+            if hidden:
+                fault = f"{DISTRIBUTION} has {', '.join(hidden)} of its own."
+            else:
+                fault = f"It needs {lacking}." if lacking else " ".join(faults(folder).values())
+            yield Added(folder.name, found.version, brings, fault)
             break
         else:
             yield Added(folder.name, "", (), "This folder is no plug-in: remove it.")
@@ -110,15 +113,12 @@ def _refuse(package: Package, path: Path) -> None:
             raise UsageError(
                 f"There is a module {module} already.", where=str(path), todo="Choose another name."
             )
-    for requirement in package.requires:
-        name = re.match(r"[\w.-]*", requirement.strip())
-        # a requirement with a condition is for other machines, or for an extra
-        if name and ";" not in requirement and not version_of(name[0]):
-            raise UsageError(
-                f"{package.name} needs {name[0]}, which is not installed.",
-                where=str(path),
-                todo=f"Install it into {sys.prefix}, or as a package of Debian if the environment uses those.",
-            )
+    if lacking := unmet(package.requires):
+        raise UsageError(
+            f"{package.name} needs {lacking}.",
+            where=str(path),
+            todo=f"Install it into {sys.prefix}, or as a package of Debian if the environment uses those.",
+        )
 
 
 def _write(package: Package, staged: Path) -> None:
