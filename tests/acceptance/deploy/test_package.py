@@ -188,7 +188,7 @@ def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     found = (
         "journalctl EEHAL_EVENT=StateChanged EEHAL_STATE=GRIPPED -o cat --no-pager --output-fields=EEHAL_TOOL"
     )
-    assert machine.does(found).splitlines() == ["my_tool", "my_tool", "my_tool", "gauge_tool"]
+    assert machine.does(found).splitlines() == [*["verdin_gripper"] * 3, "gauge_tool"]
 
     machine.does("systemctl kill -s KILL eehal-arbiter@my_tool")
     held()

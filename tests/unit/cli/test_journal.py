@@ -136,4 +136,4 @@ def test_only_a_stdout_that_is_the_journal_is_replaced(
         found = os.fstat(out.fileno())
         monkeypatch.setattr("sys.stdout", out)
         monkeypatch.setenv("JOURNAL_STREAM", f"{found.st_dev}:{found.st_ino + (not connected)}")
-        assert (journal_of(Path("/etc/eehal/my_tool.yaml")) is not None) is connected
+        assert (journal_of("my_tool") is not None) is connected

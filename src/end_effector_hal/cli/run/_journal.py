@@ -7,7 +7,6 @@ import socket
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
-from pathlib import Path
 
 from end_effector_hal.control import FAILURES, EventKind, ToolEvent
 from end_effector_hal.description import Description
@@ -25,7 +24,7 @@ class SystemdJournal:
     does not accept at once is lost, and the next one that it accepts is preceded by the number of lost ones.
 
     Args:
-        tool: the value of EEHAL_TOOL.
+        tool: the name of the tool, which is EEHAL_TOOL.
         address: the socket of journald.
     """
 
@@ -55,12 +54,12 @@ class SystemdJournal:
         return False
 
 
-def journal_of(description: Path) -> SystemdJournal | None:
+def journal_of(tool: str) -> SystemdJournal | None:
     """Return the journal for a tool if systemd has connected stdout to it; None: the lines belong on stdout."""
     with suppress(OSError, ValueError):
         found = os.fstat(sys.stdout.fileno())
         if os.environ.get("JOURNAL_STREAM") == f"{found.st_dev}:{found.st_ino}":
-            return SystemdJournal(description.stem)
+            return SystemdJournal(tool)
     return None
 
 

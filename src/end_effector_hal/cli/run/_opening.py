@@ -18,6 +18,7 @@ from end_effector_hal.errors import ArbiterError, NotReadyError, UsageError, os_
 
 if TYPE_CHECKING:
     from end_effector_hal.control import Status
+    from end_effector_hal.description import Description
     from end_effector_hal.recording import Recording
     from end_effector_hal.runtime import EndEffector, Tool
 
@@ -117,7 +118,9 @@ class Opened:
     choose: Callable[[str], None]
 
 
-def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voice, *, shown: bool) -> Opened:
+def open_tool(
+    stack: ExitStack, wanted: Wanted, loaded: Description, record: Path | None, voice: Voice, *, shown: bool
+) -> Opened:
     """Open a tool on a stack that closes it, and wait until it is ready.
 
     A tool that does not become ready is opened nevertheless, so that a held part can be dropped.
@@ -125,12 +128,12 @@ def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voic
     Args:
         stack: closes everything.
         wanted: the options.
+        loaded: the description that they name.
         record: the folder of the recording; None: nothing is recorded.
         voice: prints what happens.
         shown: whether the progress of the start is shown.
     """
     from end_effector_hal.cli._output import Progress
-    from end_effector_hal.codecs import load_tool
     from end_effector_hal.recording import Recording, RecordingLimits
     from end_effector_hal.runtime import EndEffector
     from end_effector_hal.wires import tune_interpreter
@@ -139,7 +142,6 @@ def open_tool(stack: ExitStack, wanted: Wanted, record: Path | None, voice: Voic
     from ._simulation import simulated
     from ._voices import Changes, JsonLines
 
-    loaded = load_tool(wanted.description)
     limits = RecordingLimits.of_megabytes(wanted.segment_mb, wanted.keep_mb)
     scenario, seed = wanted.scenario or "nominal", wanted.seed or 0
     choose: Callable[[str], None] = refuse_scenario

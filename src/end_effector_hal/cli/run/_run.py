@@ -43,6 +43,7 @@ def run(script: str | None, as_json: bool, **options: Any) -> None:
     script a command followed by `&` continues in the background, so that it can be cancelled: 'grip &; wait 3;
     cancel'. Quitting releases no held part; Ctrl-C and SIGTERM do what the description declares (`endings: sigterm`).
     """
+    from end_effector_hal.codecs import load_tool
     from end_effector_hal.runtime import read_script
     from end_effector_hal.wires import now_us
 
@@ -65,7 +66,7 @@ def run(script: str | None, as_json: bool, **options: Any) -> None:
     reloads = True
     while reloads:
         with ExitStack() as stack:
-            opened = open_tool(stack, wanted, record, voice, shown=terminal)
+            opened = open_tool(stack, wanted, load_tool(wanted.description), record, voice, shown=terminal)
             reload = partial(
                 _reload,
                 wanted.description,
@@ -134,20 +135,23 @@ def serve(as_json: bool, **options: Any) -> None:
     The death of one of these programs does not affect the tool: a grip continues. The line arbiter of the tool
     (`eehal arbiter DESCRIPTION`) must run. With --simulate no arbiter is needed; the service prints the path of the
     simulated tool, which these programs need then. The service prints the same lines as `eehal run`; under systemd
-    they are in the journal with fields (`journalctl EEHAL_TOOL=my_tool EEHAL_EVENT=TimedOut`). At its end the line
+    they are in the journal with fields (`journalctl EEHAL_TOOL=NAME EEHAL_EVENT=TimedOut`). At its end the line
     arbiter does what the description declares (`endings: sigterm`).
 
     Exit codes: 0 ended by SIGTERM, SIGHUP or Ctrl-C; 1 the program of the tool has failed; 2 the description has a
     fault; 3 the line arbiter or the sensors cannot be reached.
     """
+    from end_effector_hal.codecs import load_tool
+
     from ._journal import journal_of
     from ._voices import JsonLines, Words, ignore_broken_output
 
     wanted = Wanted(**options)
-    voice = JsonLines() if as_json else Words(journal=journal_of(wanted.description))
+    loaded = load_tool(wanted.description)
+    voice = JsonLines() if as_json else Words(journal=journal_of(loaded.name))
     record, ended = wanted.own_folder(), until_ended()
     with ExitStack() as stack:
-        tool = open_tool(stack, wanted, record, voice, shown=False).tool
+        tool = open_tool(stack, wanted, loaded, record, voice, shown=False).tool
         if not as_json:
             ignore_broken_output(click.echo)(
                 f"{tool.description.name} is served: eehal do {tool.description.source} status"
