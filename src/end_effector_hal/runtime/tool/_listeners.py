@@ -118,9 +118,9 @@ class Listening(Generic[T]):
             self._listener(item)
         except (Exception, SystemExit) as error:  # noqa: BLE001 it may raise anything
             if not self._failing:
-                _log.error("the listener %s failed", self._who, exc_info=not isinstance(error, ReportedError))
                 self._since = now_us()
                 self._failing = f"The listener {self._who} failed: {error_text(error)}"
+                _log.error("%s", self._failing, exc_info=not isinstance(error, ReportedError))
         else:
             self._worked()
         self._called_at = None
