@@ -6,11 +6,13 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+from end_effector_hal.description import load, profile_path
 from tests.acceptance.page import test_recordings
 from tests.acceptance.page.conftest import Live
 from tests.acceptance.page.test_page import opened, shows
 from tests.acceptance.page.test_recordings import nominal, report, retried, served
 from tests.support.named_parts import gripper_with_parts
+from tests.support.recorded_days import run_of
 
 __all__ = ["nominal", "report", "retried", "served"]
 SIZES = {"desktop": {"width": 1440, "height": 900}, "phone": {"width": 390, "height": 844}}
@@ -45,11 +47,14 @@ def assert_no_fault(page: Any, what: str) -> None:
 
 
 def test_the_live_page(chromium: Any, tmp_path: Path, retried: Path) -> None:
+    run_of(retried.parent / "tables", load(profile_path()), "nominal", 0)
     with Live(tmp_path, "nominal", "--recordings", str(retried.parent)) as live:
         page = opened(chromium, live)
         shows(page, "state-word", "STAND_BY")
         page.click("#past-jump")
         shows(page, "past-said", "newest first.")
+        page.click("#history-show")
+        shows(page, "history-said", "1 grip in 1 recording")
         assert_no_fault(page, "at rest, without the control")
         page.click("#control-take")
         shows(page, "control-who", "This page has the control.")

@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from tests.acceptance.page.conftest import Live, Process
 from tests.acceptance.page.test_page import opened as live_page
 from tests.acceptance.page.test_page import shot, shows
 from tests.support.patience import wait_until
+from tests.support.recorded_days import run_of
 from tests.support.recorded_tool import RecordedTool, recorded
 
 READ_MS = 300_000
@@ -475,6 +477,30 @@ def test_a_recording_that_is_still_written_grows(chromium: Any, served: Any, tmp
             close(page)
         finally:
             hal.end()
+
+
+def test_a_seal_that_wears_is_seen_on_the_page(chromium: Any, tmp_path: Path) -> None:
+    for day in range(6):
+        run_of(tmp_path / "runs" / str(day), load(profile_path()), f"leak:bottom_vacuum:{day / 2 + 0.5}", day)
+    with Live(tmp_path, "nominal", "--recordings", str(tmp_path / "runs")) as live:
+        page = live_page(chromium, live)
+        assert page.locator("#history rect").count() == 0, "nothing is read before somebody asks"
+        page.click("#history-show")
+        shows(page, "history-said", "6 grips in 6 recordings, 2026-03-02 to 2026-03-07", READ_MS)
+        rows = page.locator("#history-rows tr").all_inner_texts()
+        assert rows[-1].split() == ["2026-03-07", "–", "1", "1", "GRIPPED", "100", "%"]
+        assert page.locator("#history-trends figure").count() == 6
+        worn = page.locator("figure", has_text="Bottom vacuum: margin at the end of the hold, kPa")
+        heights = worn.locator("rect").evaluate_all(
+            "bars => bars.map((bar) => bar.getBoundingClientRect().height)"
+        )
+        assert len(heights) == 6
+        assert all(later < before for before, later in pairwise(heights)), heights
+        assert heights[0] > 30
+        assert worn.locator("svg").get_attribute("aria-label").startswith("Bottom vacuum: margin")
+        page.locator("#history").scroll_into_view_if_needed()
+        shot(page, "history")
+        close(page)
 
 
 def test_the_live_page_lists_what_was_recorded_and_opens_it(

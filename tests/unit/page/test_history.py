@@ -4,59 +4,26 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+import shutil
 from dataclasses import replace
-from datetime import datetime, timedelta
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from end_effector_hal.cli._history import plotted
-from end_effector_hal.control import Status
 from end_effector_hal.description import Description, content_hash, profile_path
 from end_effector_hal.page.recorded import _history, read_history
-from end_effector_hal.recording import GripDecision, Recording
-from end_effector_hal.signals import Frame
-from end_effector_lab.testbench import Sent
+from end_effector_hal.page.recorded.__main__ import answer
+from end_effector_hal.recording import GripDecision
 from tests.support.named_parts import gripper_with_parts
+from tests.support.recorded_days import run_of
 from tests.support.trace_recordings import CANCELLED, FAILS_ONCE, INFO, NEVER, NOMINAL, log, written
 from tests.support.virtual_tool import VirtualTool
 from tests.unit.conftest import Whole
 
-MONDAY = datetime.fromisoformat("2026-03-02T12:00:00+00:00")
 REAL = replace(INFO, scenario="", simulated=False)
 NAMES = ["bottom_vacuum", "cylinder", "top_vacuum"]
-
-
-class WithTables(VirtualTool):
-    """A tool in virtual time that writes the tables of a recording."""
-
-    def __init__(self, folder: Path, tool: Description, scenario: str, started: datetime) -> None:
-        self.recording = Recording(folder, tool, scenario=scenario, started=started, now=lambda: 0)
-        super().__init__(tool, scenario)
-
-    def _heard(self, sent: Sent, frames: list[Frame]) -> None:
-        for frame in frames:
-            self.recording.values(frame.at, frame.values)
-
-    def _told(self, statuses: list[Status]) -> None:
-        super()._told(statuses)
-        for status in statuses:
-            self.recording.state(status.at, status.ee, status.command, status.actuators)
-            self.recording.part(status.at, status.part)
-            self.recording.events(status.at, status.events)
-
-
-def run_of(folder: Path, tool: Description, scenario: str, day: int, parts: Sequence[str] = ("",)) -> Path:
-    """The recording of a day on which these parts were gripped, each held for a second and dropped."""
-    recorded = WithTables(folder, tool, scenario, MONDAY + timedelta(days=day))
-    recorded.run(1.5)
-    for part in parts:
-        assert recorded.command("grip", part).accepted
-        recorded.play(3.0, "drop", 2.0)
-    recorded.recording.close()
-    return folder
 
 
 def test_a_seal_that_wears_is_seen_before_a_grip_fails(tmp_path: Path, verdin: Description) -> None:
@@ -201,6 +168,22 @@ def test_the_command_prints_a_table_and_plots(whole: Whole, tmp_path: Path, verd
         "Bottom vacuum: margin at the end of the hold, kPa",
     ]
     assert len(titles) == 6
+
+
+def test_the_page_has_the_same_facts(whole: Whole, tmp_path: Path, verdin: Description) -> None:
+    for day in range(2):
+        run_of(tmp_path / "runs" / str(day), verdin, f"leak:bottom_vacuum:{day + 1}", day)
+    (tmp_path / "runs" / "linked").mkdir()
+    for file in (tmp_path / "runs" / "0").iterdir():
+        (tmp_path / "runs" / "linked" / file.name).symlink_to(file)
+    of_page = json.loads(answer("history", tmp_path / "runs", str(profile_path())))
+    shutil.rmtree(tmp_path / "runs" / "linked")
+    of_command = json.loads(whole("history", "--json", profile_path(), "--recordings", tmp_path / "runs")[1])
+    assert of_page["said"] == "verdin_gripper: 2 grips in 2 recordings, 2026-03-02 to 2026-03-03"
+    assert {**of_page, "ok": True, "schema_version": of_command["schema_version"]} == of_command
+    margin = next(each for each in of_page["trends"] if each["title"].startswith("Bottom vacuum: margin"))
+    first, last = margin["values"]
+    assert (margin["top"], margin["ends"]) == (first, f"first {first:.1f}, last {last:.1f}, worst {last:.1f}")
 
 
 @pytest.mark.parametrize("where", ["nothing", "empty", "file"])

@@ -158,6 +158,10 @@ def test_each_is_opened_by_its_id(app: ASGIApp) -> None:
         assert status == 200
         ids = {each["name"]: each["id"] for each in json.loads(body)["recordings"]}
         assert sorted(ids) == ["linked", "tables", "traced"]
+        status, body = await asked(app, "/history")
+        found = json.loads(body)
+        assert (status, found["tool"], found["grips"]) == (200, "verdin_gripper", 1)
+        assert "linked" not in str(found["notes"])
         status, body = await asked(app, f"/past/{ids['traced']}/")
         assert status == 200
         assert b"/static/recording.js" in body

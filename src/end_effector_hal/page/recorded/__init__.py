@@ -8,6 +8,6 @@ from ._differences import ComparedRecording, compare_recordings
 from ._document import FoldedRecording, RecordingPart, read_recording
 from ._files import RecordingFiles
 from ._folder import PROGRESS
-from ._history import ToolHistory, read_history
+from ._history import NO_GRIP, ToolHistory, read_history
 from ._summary import judge_recording
 from ._tables import RecordedTables

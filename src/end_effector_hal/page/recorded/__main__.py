@@ -1,12 +1,11 @@
 """Answers requests of the live page about recordings, in a separate process so that a large one cannot block the page.
 
-``list FOLDER``, ``show FOLDER ID DESCRIPTION``, ``judge FOLDER ID DESCRIPTION``: JSON on stdout, progress on stderr;
-exit code 2 with an error message on stderr if nothing can be shown.
+``list FOLDER``, ``history FOLDER DESCRIPTION``, ``show FOLDER DESCRIPTION ID``, ``judge FOLDER DESCRIPTION ID``: JSON
+on stdout, progress on stderr; exit code 2 with an error message on stderr if nothing can be shown.
 """
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -19,21 +18,25 @@ from end_effector_hal.recording import RunFile
 
 from ._document import read_recording
 from ._files import RecordingFiles
-from ._folder import PROGRESS, list_recordings, recording_folders
+from ._folder import PROGRESS, has_links, list_recordings, recording_folders
+from ._history import read_history
 from ._summary import judge_recording
 from ._tables import RecordedTables
 
 
-def answer(word: str, folder: Path, id_: str = "", description: str = "") -> bytes:
+def answer(word: str, folder: Path, description: str = "", id_: str = "") -> bytes:
     """Return the JSON to print; raises ReportedError."""
     if word == "list":
         return to_json(list_recordings(folder))
-    path = recording_folders(folder).get(id_)
+    folders = recording_folders(folder)
+    if word == "history":
+        own = [path for path in folders.values() if not has_links(path)]
+        return to_json(read_history(load_tool(description), own).as_json())
+    path = folders.get(id_)
     if path is None:
         raise UsageError("There is no such recording.")
-    with os.scandir(path) as entries:
-        if any(entry.is_symlink() for entry in entries):
-            raise UsageError("The recording contains symbolic links, which are not followed.")
+    if has_links(path):
+        raise UsageError("The recording contains symbolic links, which are not followed.")
     files: RecordingFiles | RecordedTables
     if any(path.glob("*.mcap")) or not (path / RunFile.STATES).exists():
         files = RecordingFiles(path)

@@ -59,6 +59,12 @@ def list_recordings(folder: Path, budget_s: float = BUDGET_S) -> dict[str, Any]:
     return {"folder": printable(str(folder)), "recordings": rows}
 
 
+def has_links(path: Path) -> bool:
+    """Return whether a recording contains symbolic links, which are not followed."""
+    with os.scandir(path) as entries:
+        return any(entry.is_symlink() for entry in entries)
+
+
 def _inside(folder: Path) -> Iterator[Path]:
     try:
         with os.scandir(folder) as entries:

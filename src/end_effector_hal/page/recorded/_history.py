@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime, timedelta
 from itertools import groupby
 from math import inf
@@ -28,7 +28,7 @@ from end_effector_hal.recording import (
     read_states,
     read_story,
 )
-from end_effector_hal.vocabulary import EndEffectorState, printable
+from end_effector_hal.vocabulary import EndEffectorState, display_name, printable
 
 from ._folder import BROKEN, MOST_INFO_BYTES, changed_at, is_small
 
@@ -36,6 +36,9 @@ MOST_RECORDINGS, MOST_GRIPS = 2_000, 200_000
 """Largest numbers of recordings and of grips that are read; the newest recordings come first."""
 MOST_BYTES = 130_000_000
 """Largest table of states or events, bytes: two segments."""
+NO_GRIP = "No recording has a grip of this tool."
+MOST_COLUMNS = 60
+"""Largest number of columns of a plot."""
 DECIDED = (GripDecision.GRIPPED, GripDecision.ABORTED)
 """The outcomes that say something about the tool; any other was decided by a person or a program."""
 
@@ -61,19 +64,70 @@ class PastGrip:
     margin_kpa: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class PastTrend:
+    """A value of an actuator over time, for a plot.
+
+    Attributes:
+        title: what it is, with its unit.
+        column: what a column of the plot is.
+        values: one for each column, in order of time; a margin may be below 0.
+        top: the value at the top of the plot, above 0.
+        top_label: the same as text.
+        ends: the first, the last and the worst value in words.
+    """
+
+    title: str
+    column: str
+    values: list[float]
+    top: float
+    top_label: str
+    ends: str
+
+
 @dataclass
 class ToolHistory:
     """The grips of a tool in order of time.
 
     Attributes:
+        tool: the tool.
         recordings: the recordings whose grips are listed.
         grips: the grips of all recordings.
         notes: sentences about recordings that were left out, or of which something is missing.
     """
 
+    tool: Description
     recordings: list[str] = field(default_factory=list)
     grips: list[PastGrip] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON, the same for the command and the page."""
+        return {
+            "tool": self.tool.name, "grips": len(self.grips), "said": self.said, "days": list(self.rows()),
+            "trends": [asdict(each) for each in self.trends()], "recordings": self.recordings, "notes": self.notes,
+        }  # fmt: skip
+
+    @property
+    def said(self) -> str:
+        """How many grips there are, and of which days."""
+        if not self.grips:
+            return NO_GRIP
+        first, last = (each.at.date().isoformat() for each in (self.grips[0], self.grips[-1]))
+        grips, recordings = _counted(self.grips, "grip"), _counted(self.recordings, "recording")
+        return f"{self.tool.name}: {grips} in {recordings}, {first} to {last}"
+
+    def trends(self) -> Iterator[PastTrend]:
+        """Yield the times to confirm and the margins of each actuator that has some."""
+        for name, actuator in self.tool.ordered:
+            label, grips = display_name(name), self.grips
+            times = [grip.confirm_s[name] for grip in grips if name in grip.confirm_s]
+            margins = [grip.margin_kpa[name] for grip in grips if name in grip.margin_kpa]
+            if times:
+                title = f"{label}: time to confirm, s (time-out {actuator.timeout_s:g} s)"
+                yield _trend(title, times, 2, max(times))
+            if margins:
+                yield _trend(f"{label}: margin at the end of the hold, kPa", margins, 1, min(margins))
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each day and part, as JSON: outcomes, and times and margins by actuator."""
@@ -98,6 +152,19 @@ class ToolHistory:
                     for name in names
                 },
             }
+
+
+def _trend(title: str, values: list[float], decimals: int, worst: float) -> PastTrend:
+    each = -(-len(values) // MOST_COLUMNS)
+    medians = [median(values[start : start + each]) for start in range(0, len(values), each)]
+    top = max(*medians, 0.0, 10.0**-decimals)
+    ends = f"first {medians[0]:.{decimals}f}, last {medians[-1]:.{decimals}f}, worst {worst:.{decimals}f}"
+    column = f"one column: {'1 grip' if each == 1 else f'the median of {each} grips'}"
+    return PastTrend(title, column, medians, top, f"{top:.{decimals}f}", ends)
+
+
+def _counted(found: Sequence[object], noun: str) -> str:
+    return f"{len(found)} {noun}{'' if len(found) == 1 else 's'}"
 
 
 def first_attempt_rate(grips: Sequence[PastGrip]) -> float | None:
@@ -125,7 +192,7 @@ def read_history(
         part: read the grips of this part alone; empty: of all parts.
         progress: called with a text before each recording is read.
     """
-    real, simulated, others = ToolHistory(), ToolHistory(), set[str]()
+    real, simulated, others = ToolHistory(tool), ToolHistory(tool), set[str]()
     own = content_hash(tool)
     newest = sorted(folders, key=lambda path: (changed_at(path) or 0.0, path), reverse=True)
     notes = [f"{len(newest)} recordings are too many: the newest {MOST_RECORDINGS} are read."]

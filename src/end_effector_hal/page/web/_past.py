@@ -80,6 +80,10 @@ class PastRecordings:
         """Return the list as JSON; raises UsageError."""
         return await self._ask(self._to_list, LIST_S, "list", str(self._folder))
 
+    async def history(self) -> bytes:
+        """Return how the grips of the recordings change over time, as JSON; raises UsageError."""
+        return await self._ask(self._to_read, READ_S, "history", str(self._folder), str(self._description))
+
     def reading(self, id_: str, *, verdict: bool) -> asyncio.Task[bytes] | None:
         """Return the task that reads or judges a recording and may raise UsageError; None: malformed id."""
         if not _ID.fullmatch(id_):
@@ -87,7 +91,7 @@ class PastRecordings:
         key = (id_, "judge" if verdict else "show")
         task = self._tasks.get(key)
         if task is None:
-            words = key[1], str(self._folder), id_, str(self._description)
+            words = key[1], str(self._folder), str(self._description), id_
             task = self._tasks[key] = asyncio.create_task(self._ask(self._to_read, READ_S, *words))
             task.add_done_callback(lambda done: done.cancelled() or done.exception())  # a page may have gone
             for old in [each for each in self._tasks if each[0] != id_ and self._tasks[each].done()]:
@@ -96,9 +100,8 @@ class PastRecordings:
 
     def progress(self, id_: str, *, verdict: bool) -> float | None:
         """Return the share that is read, 0 to 1; None if unknown."""
-        return self._progress.get(
-            ("judge" if verdict else "show", str(self._folder), id_, str(self._description))
-        )
+        word = "judge" if verdict else "show"
+        return self._progress.get((word, str(self._folder), str(self._description), id_))
 
     def forget(self, id_: str) -> None:
         """Discard the finished results for a recording that is opened, since it may have grown."""
@@ -198,12 +201,16 @@ def no_recording() -> Response:
     return PlainTextResponse("There is no such recording.\n", 404)
 
 
-def past_routes(past: PastRecordings) -> list[Route]:
-    """Return ``/past`` and the routes below it; the addresses contain ids and no paths."""
+HISTORY = "/history"
 
-    async def listing(_: Request) -> Response:
+
+def past_routes(past: PastRecordings) -> list[Route]:
+    """Return ``/past``, ``/history`` and the routes below it; the addresses contain ids and no paths."""
+
+    async def of_all(request: Request) -> Response:
         try:
-            return Response(await past.listing(), media_type="application/json")
+            found = await (past.history() if request.url.path == HISTORY else past.listing())
+            return Response(found, media_type="application/json")
         except ReportedError as error:
             return PlainTextResponse(f"{error}\n", 503)
 
@@ -220,7 +227,8 @@ def past_routes(past: PastRecordings) -> list[Route]:
         return no_recording() if task is None else task_response(task, past.progress(id_, verdict=verdict))
 
     return [
-        Route("/past", listing),
+        Route("/past", of_all),
+        Route(HISTORY, of_all),
         Route("/past/{id}/", page),
         Route("/past/{id}/recordings", overview),
         Route("/past/{id}/recording/0", answer),
