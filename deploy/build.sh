@@ -45,7 +45,7 @@ VIRTUAL_ENV='' UV_PROJECT_ENVIRONMENT=$prefix UV_LINK_MODE=copy \
 "$prefix/bin/python" -c 'from timed_automata.language import parse_system; from timed_automata.document import Text
 parse_system(Text.plain("system a;", ""))'
 # Compiled here: its users may not write there. An interpreter of another architecture reads the same.
-compiled() { "$prefix/bin/python" -m compileall -q -s "${DESTDIR:-}/" -p / "$@"; }
+compiled() { "$prefix/bin/python" -m compileall -q -s "${DESTDIR:-}" -p / "$@"; }
 compiled "$prefix"/lib/python3*/site-packages
 rm -f "$prefix/.lock" "$prefix/.gitignore"
 mkdir -p "$prefix/share/doc"
