@@ -89,7 +89,7 @@ pictures: setup ## the pictures in docs/images: of the page by its tests in a re
 deb: debian ## a Debian package of it, in build/: apt install ./build/end-effector-hal_*.deb; ARCH=arm64: for a board
 	@TARGETARCH=$(ARCH) deploy/package.sh build
 
-test-boot: setup deb ## by hand, as root: that package on a booted Debian 12: installed, gripping, upgraded, removed (needs systemd-container, mmdebstrap)
+test-boot: setup deb ## by hand, as root: that package on a booted Debian: installed, gripping, upgraded, removed (needs systemd-container, mmdebstrap; EEHAL_BOOT_BASE=trixie)
 	@$(ROS_ENV) && EEHAL_BOOT=1 pytest -q tests/acceptance/deploy
 
 arbiter-simulation: $(VENV)/.synced ## the line arbiter with its disk in virtual time, killed at any step (RUNS=2000)

@@ -1,5 +1,7 @@
-"""The package on a fresh Debian 12 that systemd has booted: installed, gripping, killed, upgraded, removed, purged;
-two tools, a codec and a program of one's own.
+"""The package on a fresh Debian that systemd has booted: installed, gripping, killed, upgraded, removed, purged; two
+tools, a codec and a program of one's own, full disks, the nodes of ROS 1.
+
+EEHAL_BOOT_BASE names another Debian than 12 (bookworm), such as trixie: the package is built in it, without ROS.
 """
 
 from __future__ import annotations
@@ -16,12 +18,18 @@ import pytest
 
 from end_effector_hal.description import profile_path
 from tests.support.patience import wait_until
-from tests.support.places import ROOT
+from tests.support.places import DEPLOY, ROOT
 
 TOOL, GAUGE_TOOL = "/etc/eehal/my_tool.yaml", "/etc/eehal/gauge_tool.yaml"
 PARTS = ("eehal-arbiter@my_tool", "eehal@my_tool", "eehal-arbiter@gauge_tool", "eehal@gauge_tool")
 GAUGE, PROGRAM = ROOT / "examples/codecs/gauge", ROOT / "examples/programs/ten_grips.py"
-PACKAGES = "systemd,systemd-sysv,dbus,ca-certificates,python3"
+BASE = os.environ.get("EEHAL_BOOT_BASE", "bookworm")
+OWN = "python3-venv" if BASE != "bookworm" else (DEPLOY / "container/packages.txt").read_text()
+"""What the package is built with in that Debian, or the ROS 1 of Debian 12."""
+PACKAGES = ["systemd", "systemd-sysv", "dbus", "ca-certificates", "python3", *OWN.split()]
+NODES = "/lib/systemd/system/eehal-ros1@.service"
+SMALL = ("/var/log/eehal", "/var/lib/eehal-arbiter")
+"""The recordings, and what the arbiters have latched."""
 BOOT_S = 120.0
 
 pytestmark = [
@@ -39,11 +47,12 @@ class Machine:
 
     def __init__(self, pid: int) -> None:
         self._pid = pid
+        self.has_nodes = False
 
     def run(self, script: str) -> tuple[int, str]:
         """The exit code of a line for sh, and what it printed."""
         done = subprocess.run(
-            ["nsenter", "-t", str(self._pid), "-a", "--", "env", "-i", "LANG=C.UTF-8",
+            ["nsenter", "-t", str(self._pid), "-a", "--", "env", "-i", "LANG=C.UTF-8", "HOME=/root",
              "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "DEBIAN_FRONTEND=noninteractive", "sh", "-c", script],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
         )  # fmt: skip
@@ -66,32 +75,48 @@ class Machine:
         return [self.does(f"systemctl show -P MainPID {part}").strip() for part in PARTS]
 
 
-@pytest.fixture(scope="module")
-def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """The package that `make deb` has built, and a later version of it."""
-    built = sorted((ROOT / "build").glob("end-effector-hal_*_amd64.deb"))
-    assert built, "make deb"
-    folder = tmp_path_factory.mktemp("later")
-    subprocess.run(["dpkg-deb", "-R", built[-1], folder / "root"], check=True)
-    control = folder / "root/DEBIAN/control"
+def built(root: Path) -> Path:
+    """The package that `make deb` has built, or that of another Debian, built in it."""
+    folder = ROOT / "build"
+    if BASE != "bookworm":
+        (folder := root / "root/build").mkdir()
+        source = root / "root/source"
+        subprocess.run(["git", "clone", "-q", ROOT, source], check=True)
+        certificates = "/etc/ssl/certs/ca-certificates.crt"
+        shutil.copy(certificates, root / certificates[1:])
+        subprocess.run(
+            ["chroot", root, "env", "-i", "HOME=/root", "LANG=C.UTF-8", "PATH=/usr/sbin:/usr/bin:/sbin:/bin",
+             f"SSL_CERT_FILE={certificates}", "/root/source/deploy/package.sh", "/root/build"],
+            check=True,
+        )  # fmt: skip
+    found = sorted(folder.glob("end-effector-hal_*_amd64.deb"))
+    assert found, "make deb"
+    return found[-1]
+
+
+def later(package: Path, folder: Path) -> Path:
+    """The same package as a later version."""
+    subprocess.run(["dpkg-deb", "-R", str(package), str(folder / "later")], check=True)
+    control = folder / "later/DEBIAN/control"
     control.write_text(re.sub(r"(?m)^(Version: .*)$", r"\1+later", control.read_text()))
-    command = ["dpkg-deb", "--root-owner-group", "-Zgzip", "-z1", "-b", folder / "root", folder / "later.deb"]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return built[-1], folder / "later.deb"
+    options = ("--root-owner-group", "-Zgzip", "-z1")
+    subprocess.run(["dpkg-deb", *options, "-b", folder / "later", folder / "later.deb"], check=True)
+    return folder / "later.deb"
 
 
 @pytest.fixture(scope="module")
-def machine(tmp_path_factory: pytest.TempPathFactory, packages: tuple[Path, Path]) -> Iterator[Machine]:
+def machine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Machine]:
     folder = tmp_path_factory.mktemp("debian")
     root = folder / "root"
     subprocess.run(
-        ["mmdebstrap", "--quiet", "--variant=minbase", f"--include={PACKAGES}", "--dpkgopt=force-unsafe-io",
-         "bookworm", root],
+        ["mmdebstrap", "--quiet", "--variant=minbase", f"--include={','.join(PACKAGES)}",
+         "--dpkgopt=force-unsafe-io", BASE, root],
         check=True,
     )  # fmt: skip
-    for name, package in zip(("first.deb", "later.deb"), packages, strict=True):
-        shutil.copy(package, root / "root" / name)
+    shutil.copy(first := built(root), root / "root/first.deb")
+    shutil.copy(later(first, folder), root / "root/later.deb")
     (root / "etc/eehal").mkdir()
+    (root / "etc/hosts").write_text("127.0.0.1 localhost\n")  # the installer of Debian writes it
     for path, source in ((TOOL, profile_path()), (GAUGE_TOOL, GAUGE / "end_effector.yaml")):
         wires = f"/run/eehal/{Path(path).stem}"
         tool = re.sub(r"port: [^\s,]+", f"port: {wires}.uart", source.read_text(), count=1)
@@ -156,10 +181,47 @@ def a_program(machine: Machine) -> None:
     assert machine.does(f"systemctl show -P NRestarts -P User {unit}").split() == ["0", "eehal"]
 
 
+def nodes_of_ros_1(machine: Machine) -> None:
+    """The nodes of ROS 1, where the package has them."""
+    machine.has_nodes = machine.run(f"test -e {NODES}")[0] == 0
+    assert machine.has_nodes is (BASE == "bookworm")
+    if machine.has_nodes:
+        machine.does("systemctl start eehal-ros1@my_tool")
+        publishing(machine)
+
+
+def publishing(machine: Machine) -> None:
+    topic = "timeout 10 /opt/eehal/bin/eehal-container rostopic echo -n 1 /EndEffectorState"
+    wait_until("the state by ROS", lambda: machine.run(topic)[0] == 0)
+
+
+def full_disks(machine: Machine) -> None:
+    """Without room a tool grips and drops, a stop survives the death of the arbiter, and a recording goes on later."""
+    folders = " ".join(f"{folder}/filler" for folder in SMALL)
+    assert machine.run(f"for each in {folders}; do cat /dev/zero >$each; done")[0], "they are full"
+    machine.does(f"eehal do {TOOL} 'lock; grip; drop; grip'")
+    machine.does(f"eehal stop {TOOL}")
+    moved = machine.does("cat /run/eehal/my_tool.chip")
+    said = "journalctl -o cat --no-pager -u eehal-recorder@my_tool"
+    lost = "Rows of the recording cannot be written.*No space left on device"
+    wait_until("the reason", lambda: re.search(lost, machine.does(said)))
+    machine.does("systemctl kill -s KILL eehal-arbiter@my_tool")
+    machine.reach("GRIPPED")
+    machine.does(f"rm {folders}")
+    assert "IL-13: the tool was stopped" in machine.does(f"eehal status {TOOL}")
+    assert machine.does("cat /run/eehal/my_tool.chip") == moved, "no line changes"
+    machine.does(f"eehal do {TOOL} 'reset; drop'")
+    run = "/var/log/eehal/my_tool/run"
+    wait_until("the recording goes on", lambda: "could not be written" in machine.does(f"cat {run}/run.json"))
+    wait_until("the last state", lambda: ",6,-1," in machine.does(f"tail -n 1 {run}/states.csv"))
+
+
 def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     """One story, since each step needs the one before."""
     machine.does("apt-get install -y /root/first.deb")
     machine.does(f"eehal check {TOOL}")
+    for folder in SMALL:
+        machine.does(f"mkdir -p {folder} && mount -t tmpfs -o size=8m tmpfs {folder}")
     bench(machine, TOOL, "nominal")
     machine.does("systemctl enable --now eehal@my_tool")
     machine.reach("STAND_BY")
@@ -172,6 +234,8 @@ def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     machine.does("systemctl stop eehal-arbiter@mistyped")
     a_codec_and_a_second_tool(machine)
     a_program(machine)
+    nodes_of_ros_1(machine)
+    full_disks(machine)
 
     for tool, words in ((TOOL, "lock; grip"), (GAUGE_TOOL, "grip")):
         machine.does(f"eehal do {tool} '{words}'")
@@ -188,12 +252,16 @@ def test_from_the_installation_to_the_purge(machine: Machine) -> None:
     found = (
         "journalctl EEHAL_EVENT=StateChanged EEHAL_STATE=GRIPPED -o cat --no-pager --output-fields=EEHAL_TOOL"
     )
-    assert machine.does(found).splitlines() == [*["verdin_gripper"] * 3, "gauge_tool"]
+    assert machine.does(found).splitlines() == [*["verdin_gripper"] * 5, "gauge_tool"]
 
     machine.does("systemctl kill -s KILL eehal-arbiter@my_tool")
     held()
     machine.does(f"systemctl restart {' '.join(PARTS)}")
     held()
+    if machine.has_nodes:
+        machine.does("systemctl kill -s KILL eehal-ros1@my_tool")
+        publishing(machine)
+        held()
     before = machine.pids()
     said = machine.does("apt-get install -y /root/later.deb")
     for tool in ("my_tool", "gauge_tool"):
