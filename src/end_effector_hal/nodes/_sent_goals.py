@@ -74,13 +74,10 @@ class GoalClients:
     Args:
         node: the transport that creates the clients.
         say: called with each sentence about a goal, also in threads of the node.
-        patience_s: silence of HALMain after which a goal is abandoned, s.
     """
 
-    def __init__(
-        self, node: NodeTransport, say: Callable[[str], None], patience_s: float = PATIENCE_S
-    ) -> None:
-        self._node, self._say, self._patience_s = node, say, patience_s
+    def __init__(self, node: NodeTransport, say: Callable[[str], None]) -> None:
+        self._node, self._say = node, say
         self._clients = {action.command: node.action_client(action) for action in COMMAND_ACTIONS}
         self._sent: list[SentGoal] = []
         self._lock = threading.Lock()
@@ -119,13 +116,11 @@ class GoalClients:
         while not goal.ended.wait(0.1) and not self._node.ending:
             session, at = self._seen
             silent_s = time.monotonic() - max(at, goal.sent_at)
-            if silent_s > self._patience_s:
-                self._lose(goal, f"HALMain was silent for {self._patience_s:g} s")
+            if silent_s > PATIENCE_S:
+                self._lose(goal, f"HALMain was silent for {PATIENCE_S:g} s")
             elif silent_s > _SILENT_S:
                 if not said:
-                    self._say(
-                        f"{goal.name}: HALMain is silent; waiting for it, {self._patience_s:g} s at most …"
-                    )
+                    self._say(f"{goal.name}: HALMain is silent; waiting for it, {PATIENCE_S:g} s at most …")
                 said = True
             elif at > goal.sent_at:
                 said, goal.session = False, session if goal.session is None else goal.session

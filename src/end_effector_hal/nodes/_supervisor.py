@@ -19,8 +19,6 @@ from .interface import (
     ARM_TOOL_CHANGER,
     END_EFFECTOR_STATE,
     GIVE_UP_S,
-    PATIENCE,
-    PATIENCE_S,
     RESET_FAULTS,
     RESUME_GRIP,
     SCRIPT,
@@ -30,7 +28,6 @@ from .interface import (
 )
 from .transport import CommandMessage, NodeTransport, StateMessage
 
-LEAST_PATIENCE_S, MOST_PATIENCE_S = 3.0, 3600.0
 PROMPT = "> "
 HELP = (
     "commands: lock, unlock, grip, grip <part>, drop (or release), cancel, resume, stop, arm, reset, "
@@ -46,7 +43,7 @@ class Supervisor:
         self._prompting = self._reset_failed = False
         self._piped: PipedLines | None = None
         self._publish = node.publisher(SUPERVISOR_COMMANDS)
-        self._goals = GoalClients(node, self.say, _patience_s(node))
+        self._goals = GoalClients(node, self.say)
         self._adopted = threading.Event()
         node.subscribe(END_EFFECTOR_STATE, self._on_state)
 
@@ -171,20 +168,6 @@ def run_supervisor(node: NodeTransport) -> int | None:
     finally:
         interrupt.disarm()
     return None if node.ending else code
-
-
-def _patience_s(node: NodeTransport) -> float:
-    text = node.parameter_once(PATIENCE) or str(PATIENCE_S)
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = 0.0
-    if not LEAST_PATIENCE_S <= seconds <= MOST_PATIENCE_S:
-        bounds = f"{LEAST_PATIENCE_S:g} to {MOST_PATIENCE_S:g} s"
-        raise UsageError(
-            f"The parameter {PATIENCE.name} is {text!r}.", todo=f"It is a number of seconds, {bounds}."
-        )
-    return seconds
 
 
 class _Interrupt:

@@ -23,7 +23,6 @@ from ._table import (
     NODES,
     PARALLEL_GRIPPER_COMMAND,
     PARAMETERS,
-    PATIENCE,
     PATIENCE_S,
     POSITION,
     POSITION_TOOL_CHANGER,

@@ -178,9 +178,6 @@ DIRECTORY = Parameter(
     (DATA_LOGGER, HAL_MAIN, MANAGER),
     "run folder to write; if it is empty, HALMain writes no trace",
 )
-PATIENCE = Parameter(
-    "patience", (SUPERVISOR,), "seconds; a goal is given up when HALMain is silent for longer"
-)
 FRAME_ID = Parameter(
     "frame_id",
     (PRESSURE, MANAGER),
@@ -204,7 +201,6 @@ PARAMETERS = (
     CONNECT,
     SCRIPT,
     DIRECTORY,
-    PATIENCE,
     FRAME_ID,
     SEGMENT_MB,
     KEEP_MB,
