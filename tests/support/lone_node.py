@@ -149,8 +149,8 @@ class LoneTransport:
     def tool(self) -> LoneTool:
         return self.hal
 
-    def parameter(self, parameter: Parameter, default: str = "") -> str:
-        return default
+    def parameter(self, parameter: Parameter) -> str:
+        return ""
 
     def publisher(self, topic: Topic) -> Messages:
         return self.published.setdefault(topic.name, Messages())

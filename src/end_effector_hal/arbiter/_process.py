@@ -40,10 +40,10 @@ _MOST_WAITING = 256
 _AGAIN_S = 0.1
 
 
-def connect_arbiter(description: Description, client: str, *, patience_s: float = 5.0) -> ArbiterClient:
+def connect_arbiter(description: Description, client: str) -> ArbiterClient:
     """Connect ``hal`` or ``outputs`` to the line arbiter; raises ArbiterError, LineBusyError."""
     lines = client_lines(description, client)
-    return ArbiterClient(socket_path(description), client, lines, patience_s=patience_s)
+    return ArbiterClient(socket_path(description), client, lines)
 
 
 def run_arbiter(

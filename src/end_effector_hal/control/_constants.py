@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from end_effector_hal.codecs import Carrier, carrier_of
+from end_effector_hal.codecs import carrier_of
 from end_effector_hal.description import Description
 from end_effector_hal.kinds import kind_of
 from end_effector_hal.kinds.stanza import Actuator
@@ -14,12 +14,12 @@ from end_effector_hal.vocabulary import LEASE_US
 Constants = dict[str, "int | Sequence[int] | Sequence[Sequence[int]]"]
 
 
-def model_constants(description: Description, carrier: Carrier | None = None) -> Constants:
+def model_constants(description: Description) -> Constants:
     """Return the constants by their name in the UPPAAL file; times in ms.
 
     Interlocks whose sensors the codec does not carry are off: they are not fitted.
     """
-    carried = (carrier or carrier_of(description)).channels
+    carried = carrier_of(description).channels
     actuators = [actuator for _, actuator in description.ordered]
     parts = [[actuator for _, actuator in each.ordered] for each in description.per_part]
     changer, locks, bounds = description.tool_changer, description.interlocks, description.bounds

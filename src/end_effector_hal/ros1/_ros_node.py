@@ -98,9 +98,9 @@ class RosNode:
         """Return the tool, which HALMain runs; every other node talks to it over its socket. Call it once."""
         return open_tool(self, hosts=self._hosts)
 
-    def parameter(self, parameter: Parameter, default: str = "") -> str:
+    def parameter(self, parameter: Parameter) -> str:
         """Return a private parameter."""
-        return str(rospy.get_param("~" + parameter.name, default))
+        return str(rospy.get_param("~" + parameter.name, ""))
 
     def parameter_once(self, parameter: Parameter) -> str:
         """Return a private parameter, and remove it from the parameter server."""

@@ -105,9 +105,9 @@ class RclpyNode:
         """Return the tool that the nodes of this group share."""
         return self._group.tool(self)
 
-    def parameter(self, parameter: Parameter, default: str = "") -> str:
+    def parameter(self, parameter: Parameter) -> str:
         """Return a parameter."""
-        return self._parameters.get(parameter.name) or default
+        return self._parameters.get(parameter.name, "")
 
     def parameter_once(self, parameter: Parameter) -> str:
         """Return a parameter; in ROS 2 it ends with its node, and need not be removed."""

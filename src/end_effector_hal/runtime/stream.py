@@ -90,9 +90,9 @@ def program_socket(description: Description) -> Path:
     return arbiter.with_name(f"{arbiter.name}.{HAL}")
 
 
-def ask_program(path: Path, command: str, name: str = "") -> Answer:
+def ask_program(path: Path, command: str) -> Answer:
     """Send a command to a program and wait for the answer; if none comes, return an undecided answer."""
-    return Answer(*ask(path, "The HAL", command=command, name=name))
+    return Answer(*ask(path, "The HAL", command=command))
 
 
 Entry = tuple[str, int, object]

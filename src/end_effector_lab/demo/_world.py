@@ -36,8 +36,6 @@ class World:
         bench: scenario of the testbench.
         folder: receives the logs and the description that is used.
         own_wires: keep lines and link unchanged; the device at their other end plays the scenario.
-        events: file in the folder for the edges and frames of the testbench; empty: none.
-        outlives_us: whether the line arbiter survives a kill of this process.
         seed: seed of the noise and the dead times of the testbench.
         models: devices that the testbench plays by their makers' manuals, as for its option ``--model``, beside those
             that the description names.
@@ -61,14 +59,11 @@ class World:
         folder: Path,
         *,
         own_wires: bool = False,
-        events: str = "",
-        outlives_us: bool = True,
         seed: int = 0,
         models: str = "",
     ) -> None:
         parse_scenario(bench, description)
-        self.folder, self._bench, self._own_wires, self._events = folder, bench, own_wires, events
-        self._outlives_us, self._seed = outlives_us, seed
+        self.folder, self._bench, self._own_wires, self._seed = folder, bench, own_wires, seed
         self._models = text_of(chosen_models(models, description))  # a written copy names no device
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
@@ -112,8 +107,7 @@ class World:
     def _start(self) -> None:
         path, start = str(self.description_path), self.children.start
         if not self._own_wires:
-            more = ["--events", str(self.folder / self._events)] if self._events else []
-            more += ["--model", self._models] if self._models else []
+            more = ["--model", self._models] if self._models else []
             self.testbench = start(
                 "testbench",
                 [*EEHAL, "testbench", path, "--scenario", self._bench, "--seed", str(self._seed), *more],
@@ -129,7 +123,7 @@ class World:
             [*EEHAL, "arbiter", path],
             log=self.folder / "arbiter.log",
             failed=ArbiterError,
-            outlives_us=self._outlives_us,
+            outlives_us=True,
         )
         self.arbiter.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

@@ -27,8 +27,8 @@ class Node:
         self.fail, self.on_close = self.failed.append, self.closers.append
         self.on_start = self.starters.append
 
-    def parameter(self, parameter: Parameter, default: str = "") -> str:
-        return self._parameters.get(parameter.name, default)
+    def parameter(self, parameter: Parameter) -> str:
+        return self._parameters.get(parameter.name, "")
 
     def every(self, _rate_hz: float, callback: Callable[[], None]) -> None:
         self.ticks.append(callback)

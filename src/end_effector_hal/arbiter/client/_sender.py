@@ -24,11 +24,10 @@ class PredicateSender:
 
     Args:
         socket_path: the socket of the arbiter; it need not exist yet.
-        client: own name, for messages.
     """
 
-    def __init__(self, socket_path: str | Path, client: str = SENSORS) -> None:
-        self._path, self._client, self._token = str(socket_path), client, make_token()
+    def __init__(self, socket_path: str | Path) -> None:
+        self._path, self._token = str(socket_path), make_token()
         self._socket: socket.socket | None = None
         self._rest, self._received = b"", b""
         self._not_before, self._refused = 0, ""
@@ -73,7 +72,7 @@ class PredicateSender:
                 sock.close()
                 raise
             self._socket = sock
-            hello = {"op": "hello", "role": SENSORS, "client": self._client, "token": self._token}
+            hello = {"op": "hello", "role": SENSORS, "client": SENSORS, "token": self._token}
             self._rest = write_message({"id": 0, **hello})
         return self._socket
 

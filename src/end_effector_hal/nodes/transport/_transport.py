@@ -120,7 +120,7 @@ class NodeTransport(Protocol):
     def tool(self) -> Tool:
         """Return the tool of this process, which its nodes share; see `open_tool`."""
 
-    def parameter(self, parameter: Parameter, default: str = "") -> str:
+    def parameter(self, parameter: Parameter) -> str:
         """Return a parameter of this node."""
 
     def parameter_once(self, parameter: Parameter) -> str:

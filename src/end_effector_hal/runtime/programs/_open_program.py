@@ -17,7 +17,6 @@ def open_program(
     description: Description,
     on_status: Listener | None = None,
     *,
-    patience_s: float = 5.0,
     traces: str | Path | None = None,
     limits: RecordingLimits | None = None,
     publisher: PredicatePublisher | None = None,
@@ -28,7 +27,6 @@ def open_program(
     Args:
         description: the tool.
         on_status: called with each status.
-        patience_s: longest wait for an arbiter to appear.
         traces: the folder for its trace; None: nothing is recorded. If the folder cannot be written, the program
             raises an alarm and goes on: a full disk is no reason not to hold a part.
         limits: the recording limits of that folder.
@@ -39,7 +37,7 @@ def open_program(
         ArbiterError: there is no line arbiter.
         LineBusyError: another process runs this program; the error names it.
     """
-    lines = connect_arbiter(description, HAL, patience_s=patience_s)
+    lines = connect_arbiter(description, HAL)
     try:
         stream = open_stream(description)
         recorder = Recorder(stream=stream, observe=observe)

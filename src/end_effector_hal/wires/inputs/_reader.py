@@ -70,7 +70,6 @@ class InputsReader:
         on_frame: called at once with each frame.
         on_change: called at each change of the set of inputs that cannot be read.
         lines: the lines to read; default: those of the description.
-        clock: µs; the clock of the edges.
     """
 
     def __init__(
@@ -80,9 +79,8 @@ class InputsReader:
         on_change: Callable[[InputsHealth], None] | None = None,
         *,
         lines: InputLines | None = None,
-        clock: Callable[[], int] = now_us,
     ) -> None:
-        self._on_frame, self._on_change, self._clock = on_frame, on_change, clock
+        self._on_frame, self._on_change = on_frame, on_change
         inputs = board_inputs(description)
         self._period_us = inputs.period_us if inputs else 0
         self._inputs = input_lines(description)
@@ -98,12 +96,12 @@ class InputsReader:
         analog = {name: each for name, each in description.channels.items() if each.analog}
         self._analog_names = tuple(analog)
         folder = (description.inputs or Inputs()).iio
-        self._analog = AnalogReader(Path(folder), analog, clock)
+        self._analog = AnalogReader(Path(folder), analog)
         self._open = False
-        self._backoff = Backoff(clock)
+        self._backoff = Backoff()
         self._lines_error = self._noise_error = self._noisy = ""
         self._count = Counter[str]()
-        self._error, self._since = "", clock()
+        self._error, self._since = "", now_us()
         self._last_frame: int | None = None
         self._opened = self._frames = self._edges = self._lost = 0
         self._thread: threading.Thread | None = None
@@ -172,13 +170,13 @@ class InputsReader:
         return self._thread is not threading.current_thread()
 
     def _run(self) -> None:
-        wake_read, due = self._wake_read, self._clock()
+        wake_read, due = self._wake_read, now_us()
         try:
             while not self._closed:
-                now = self._clock()
+                now = now_us()
                 if now >= due:
                     self._sample()
-                    due = max(due + self._period_us, self._clock())  # what was slept through is left out
+                    due = max(due + self._period_us, now_us())  # what was slept through is left out
                 try:
                     self._wait(wake_read, due)
                 except Exception as error:  # noqa: BLE001 this thread outlives whatever its lines do
@@ -192,7 +190,7 @@ class InputsReader:
         """Wait until there is work; a line that changes too often is ignored until the next reading."""
         fds, early = (self._lines.fds(), self._lines.due()) if self._open and not self._noisy else ((), None)
         until = due if early is None else min(due, early)
-        select.select([*fds, wake_read], [], [], max(0.0, (until - self._clock()) / 1e6))
+        select.select([*fds, wake_read], [], [], max(0.0, (until - now_us()) / 1e6))
 
     def _sample(self) -> None:
         """Read all inputs."""
@@ -206,15 +204,15 @@ class InputsReader:
         self._count.clear()
         self._noisy = ""
         values: dict[str, Value] = {}
-        began = self._clock()
+        began = now_us()
         for name in self._analog_names:
             values[name] = self._analog.read(name)
             self._take_edges()
-            if self._clock() - began > SLOW_US:
-                self._deliver(values, self._clock())
-                values, began = {}, self._clock()
+            if now_us() - began > SLOW_US:
+                self._deliver(values, now_us())
+                values, began = {}, now_us()
         # the time before they are read: an edge that comes while this thread waits is later than they are
-        at = self._clock()
+        at = now_us()
         self._deliver(values | self._levels(), at)
         self._judge()
 
@@ -240,7 +238,7 @@ class InputsReader:
             self._take_edge(edge)
         if came.lost:
             self._lost += 1
-            at = self._clock()
+            at = now_us()
             self._deliver(self._levels(), at)
 
     def _take_edge(self, edge: LineEdge) -> None:
@@ -249,7 +247,7 @@ class InputsReader:
         if self._count[edge.line] > MOST_EDGES:
             self._noisy = edge.line
             return
-        self._deliver(self._values(edge.line, edge.high), min(edge.at, self._clock()))
+        self._deliver(self._values(edge.line, edge.high), min(edge.at, now_us()))
 
     def _values(self, line: str, high: bool) -> dict[str, Value]:
         return {name: channel.value(high) for name, channel in self._by_line.get(line, {}).items()}
@@ -287,7 +285,7 @@ class InputsReader:
         error = " ".join(filter(None, (self._lines_error, self._noise_error, *self._analog.errors.values())))
         if error == self._error:
             return
-        self._error, self._since = error, self._clock()
+        self._error, self._since = error, now_us()
         if self._on_change and not self._closed:
             self._call(self._on_change, self.health)
 
