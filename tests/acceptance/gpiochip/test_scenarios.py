@@ -15,11 +15,11 @@ from end_effector_hal.recording import StatesLog, read_run, read_states
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo import report_on, scenarios
 from end_effector_lab.processes import Children
+from end_effector_lab.testbench import edges_of
 from tests.acceptance.gpiochip.guest import Ended
 from tests.acceptance.gpiochip.machines import Machine
 from tests.acceptance.gpiochip.priority import WIRES, before_others
 from tests.acceptance.gpiochip.same_story import same_story
-from tests.acceptance.gpiochip.seen import edges_of
 from tests.acceptance.gpiochip.virtual_lines import OnVirtualLines
 
 NAMES = ("nominal", "fails-once", "never-confirms")
