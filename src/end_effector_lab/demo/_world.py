@@ -36,6 +36,7 @@ class World:
         bench: scenario of the testbench.
         folder: receives the logs and the description that is used.
         own_wires: keep lines and link unchanged; the device at their other end plays the scenario.
+        outlives_us: whether the line arbiter survives a kill of this process.
         seed: seed of the noise and the dead times of the testbench.
         models: devices that the testbench plays by their makers' manuals, as for its option ``--model``, beside those
             that the description names.
@@ -59,11 +60,13 @@ class World:
         folder: Path,
         *,
         own_wires: bool = False,
+        outlives_us: bool = True,
         seed: int = 0,
         models: str = "",
     ) -> None:
         parse_scenario(bench, description)
-        self.folder, self._bench, self._own_wires, self._seed = folder, bench, own_wires, seed
+        self.folder, self._bench, self._own_wires = folder, bench, own_wires
+        self._outlives_us, self._seed = outlives_us, seed
         self._models = text_of(chosen_models(models, description))  # a written copy names no device
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
@@ -123,7 +126,7 @@ class World:
             [*EEHAL, "arbiter", path],
             log=self.folder / "arbiter.log",
             failed=ArbiterError,
-            outlives_us=True,
+            outlives_us=self._outlives_us,
         )
         self.arbiter.wait_until(self.socket.exists, timeout_s=START_S, what="its socket")
 

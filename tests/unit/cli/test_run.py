@@ -67,10 +67,6 @@ def test_a_line_that_finds_no_memory_is_refused_and_the_next_one_is_read(
 TOOL = load(profile_path())
 
 
-def test_the_workshop_has_it() -> None:
-    assert _simulation._SIMULATION.get(_simulation.NAME) is World
-
-
 def test_without_it_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_simulation, "lab_installed", lambda: False)
     with pytest.raises(MissingExtraError) as refused, _simulation.simulated(TOOL, "nominal"):
