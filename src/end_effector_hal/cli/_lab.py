@@ -1,13 +1,12 @@
-"""Figures and ``--sweep``: functions of the development tools; an error names the extra that is missing."""
+"""Figures, drawn by the development tools; an error names the extra that is missing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from end_effector_hal._extras import lab, lab_installed, lab_needed, missing_extra
+from end_effector_hal._extras import lab, missing_extra
 from end_effector_hal.errors import MissingExtraError
 
 if TYPE_CHECKING:
@@ -57,13 +56,3 @@ class Drawing:
         except MissingExtraError as error:
             self.note = f"There is no figure. {error}"
             return []
-
-
-def sweep() -> Callable[..., int]:
-    """Return the function that proves a grid of values, prints the results, and returns the exit code; raises
-    MissingExtraError.
-    """
-    if not lab_installed():
-        raise lab_needed("--sweep")
-    run: Callable[..., int] = lab("commands._sweep").run
-    return run

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from end_effector_hal._extras import lab_installed
 from end_effector_hal.cli.model import NamedNetwork, Source, network_options
 from end_effector_hal.errors import UsageError
 
-from ._lab import Drawing, draw_run, figures, is_figure, sweep
+from ._lab import Drawing, draw_run, figures, is_figure
 from ._options import drawing_option
 from ._output import Progress, print_document
 
@@ -44,31 +43,11 @@ _MOST_STEPS, _COLUMNS, _INDENT = 12, 110, " " * 7
     help="Let these readings change to anything at any time; all: the tool changer's as well.",
 )
 @click.option(
-    "--sweep",
-    "sweeps",
-    multiple=True,
-    hidden=not lab_installed(),
-    metavar="KEY=A:B:STEP|A,B,C",
-    help="Prove DESCRIPTION with each of these values of a key; given again: each combination.",
-)
-@click.option(
-    "--jobs",
-    type=click.IntRange(1),
-    hidden=not lab_installed(),
-    help="Processes of a sweep; default: one for each processor.",
-)
-@click.option(
     "--memory",
     "most_gib",
     type=click.FloatRange(0.1),
     metavar="GIB",
     help="Stop beyond it; default: 75 % of the memory that the machine, or the container, has for it.",
-)
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    hidden=not lab_installed(),
-    help="Of dask.distributed: its workers prove the sweep.",
 )
 def command(
     network: NamedNetwork,
@@ -76,10 +55,7 @@ def command(
     as_json: bool,
     output: Path | None,
     free: str | None,
-    sweeps: tuple[str, ...],
-    jobs: int | None,
     most_gib: float | None,
-    scheduler: str | None,
 ) -> None:
     """Prove the requirements of the automata with the constants of DESCRIPTION, or show a run that violates one.
 
@@ -105,25 +81,12 @@ def command(
 
     A proof that needs too much memory is stopped: it lists the requirements that are not decided, the exit code is 4,
     and no verdict is kept.
-
-    With --sweep the values of some keys are varied. The result lists the combinations that hold, the first
-    requirement that fails, and the worst cases. KEY is a path with dots, as in actuators.cylinder.timeout_s=3:7:1.
-    With -o DIR a table and JSON are written there. The exit code is 4 when no combination holds. No verdict is
-    kept.
     """
-    from end_effector_hal.description import content_hash, profile_path
+    from end_effector_hal.description import content_hash
     from end_effector_hal.recording import check_replaceable
     from end_effector_hal.verification.lemmas import prove_tool
     from end_effector_hal.verification.proof import prove
 
-    if sweeps:
-        alone = network == NamedNetwork(network.description)
-        if not alone or every or free is not None or most_gib is not None:
-            raise UsageError("--sweep proves a DESCRIPTION as it is.", todo="Leave the other options out.")
-        path = network.description or profile_path()
-        sys.exit(sweep()(path, sweeps, scheduler=scheduler, jobs=jobs, output=output, as_json=as_json))
-    if jobs or scheduler:
-        raise UsageError("--jobs and --scheduler need --sweep.", todo="Add --sweep KEY=A,B,C.")
     if (network.deaths or network.registers is not None) and free is not None:
         which = "deaths" if network.deaths else "registers"
         raise UsageError(f"The network of {which} has no sensors.", todo="Leave --free-sensors out.")
