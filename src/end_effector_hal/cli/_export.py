@@ -1,7 +1,4 @@
-"""``eehal export``: a tool for other programs.
-
-A xacro, in which EDIT marks the values that the description does not contain; an SROS 2 policy.
-"""
+"""``eehal export``: a xacro of a tool, in which EDIT marks the values that the description does not contain."""
 
 from __future__ import annotations
 
@@ -19,15 +16,11 @@ from end_effector_hal.nodes.interface import (
 )
 
 from ._options import PathName, write_or_print
-from ._sros2 import export_sros2
 
 
 @click.group(name="export")
 def command() -> None:
     """Write files about a tool for other programs."""
-
-
-command.add_command(export_sros2)
 
 
 _HEAD = """\

@@ -45,7 +45,7 @@ _COMMANDS: dict[str, dict[str, str]] = {
         "listen": "what arrives on each channel, live; thresholds from a recording",
         "tune": "",
         "testbench": "",
-        "export": "a tool for other programs: a xacro, an SROS 2 policy",
+        "export": "a tool for other programs: a xacro",
         "plugin": "codecs, kinds and commands of your own in this environment",
         "completion": "shell completion of commands and values",
     },

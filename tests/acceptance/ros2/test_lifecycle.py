@@ -12,16 +12,13 @@ from typing import Any
 
 import pytest
 
-from end_effector_hal.cli._sros2 import security_policy
 from end_effector_hal.control import network_of
 from end_effector_hal.description import content_hash, load, profile_path
-from end_effector_hal.nodes.interface import MANAGER
 from end_effector_hal.ros2 import PROGRAMS
 from end_effector_hal.verification.proof import Proof, keep_verdict, proof_verdict, prove
 from end_effector_hal.vocabulary import EndEffectorState
 from end_effector_lab.demo._world import World
 from tests.support.patience import PATIENCE_S
-from tests.support.sros2 import on_graph, read_policy
 
 from .conftest import System
 
@@ -187,18 +184,6 @@ def test_what_is_held_can_be_dropped_though_a_sensor_is_lost(managed: Managed) -
     managed.until("the servers", lambda: all(managed.served()))
     managed.send("Drop").result()
     assert {line for line, level in managed.edges()[len(held) :] if not level} >= set(GRIP_LINES)
-
-
-def test_its_process_does_what_its_policy_allows(managed: Managed) -> None:
-    assert managed.change(CONFIGURE)
-    assert managed.change(ACTIVATE)
-    managed.connect()
-    policy = read_policy(
-        security_policy(managed.world.description, "managed").replace(f'"{MANAGER}"', '"tool"')
-    )
-    nodes = ("tool", *PROGRAMS["lifecycle_hal"])
-    managed.until("all nodes on the graph", lambda: set(nodes) <= set(managed.node.get_node_names()))
-    assert on_graph(managed.node, nodes) == policy["/verdin_gripper/lifecycle_hal"].served()
 
 
 def test_sigterm_while_active_ends_in_good_order_and_holds(managed: Managed) -> None:

@@ -121,7 +121,7 @@ def test_a_counterexample_replaces_its_own_files_and_no_recording() -> None:
     )
 
 
-@pytest.mark.parametrize("command", [("export", "urdf"), ("export", "sros2"), ("model", "export")])
+@pytest.mark.parametrize("command", [("export", "urdf"), ("model", "export")])
 @pytest.mark.parametrize("output", ["tool.yaml", "end_effector.xml", "link.txt"])
 def test_what_a_command_reads_is_not_replaced(command: tuple[str, ...], output: str) -> None:
     for name, path in (("tool.yaml", profile_path()), ("end_effector.xml", SHIPPED_AUTOMATA)):
