@@ -39,11 +39,6 @@ class SwitchesLog:
     source: str = ""
 
     @property
-    def columns(self) -> tuple[str, ...]:
-        """The name of each channel's column."""
-        return _columns(self.channels)
-
-    @property
     def times_s(self) -> tuple[float, ...]:
         """The time of each row, seconds since start."""
         return tuple(time_s for time_s, _ in self.rows)

@@ -47,11 +47,6 @@ class PressuresLog:
         """The time of each sample, seconds since the start."""
         return tuple(time_s for time_s, _ in self.samples)
 
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The name of each channel's column."""
-        return tuple(column_of(channel, self.units) for channel in self.channels)
-
     def curve(self, channel: str) -> tuple[float | None, ...]:
         """Return the values of one channel, kPa."""
         index = self.channels.index(channel)

@@ -24,11 +24,8 @@ STYLES = ("timeline", "paper")
 @click.argument("recording", metavar="STATES.csv", type=PathName())
 @click.option("--style", type=click.Choice([*STYLES, "both"]), default="timeline", show_default=True)
 @click.option("-o", "--output", metavar="FILE.(png|svg)|DIR", type=PathName())
-@click.option(
-    "--csv", is_flag=True, help="Also run.csv, all in one table, and plot_run.m for MATLAB or Octave."
-)
 @click.option("--json", "as_json", is_flag=True, help="Print the story and the files as JSON.")
-def command(recording: Path, style: str, output: Path | None, csv: bool, as_json: bool) -> None:
+def command(recording: Path, style: str, output: Path | None, as_json: bool) -> None:
     """Draw a recording: STATES.csv, or the folder of a run.
 
     Pressures and the source of the run are read from pressures.csv and run.json beside it. Without -o the figure is
@@ -47,8 +44,6 @@ def command(recording: Path, style: str, output: Path | None, csv: bool, as_json
             progress(f"Drawing the {name}")
             figure = run.figure(name)
             files += [drawing.save(figure, path) for path in paths]
-        if csv:
-            files += run.write_table(files[0].parent)
     _report(run, files, as_json)
 
 

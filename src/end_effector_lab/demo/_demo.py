@@ -82,8 +82,6 @@ def report_on(
             figure = run.figure(style)
             for suffix in ("png", "svg"):
                 save(figure, folder / f"{style}.{suffix}")
-    if run.log.rows:
-        run.write_table(folder)
     report = judge(scenario, description, run.log, run.info, edges)
     return replace(report, findings=(*report.findings, answered(folder), replayed(folder)), folder=folder)
 

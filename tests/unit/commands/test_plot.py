@@ -148,17 +148,6 @@ def test_the_help_needs_no_matplotlib(run):
     assert "timeline|paper|both" in done.stdout
 
 
-def test_csv_writes_everything_in_one_table_and_what_draws_it(plot, run):
-    code, out, _ = plot(run, "--csv")
-    assert code == 0
-    assert out.splitlines()[-2:] == [str(run / "run.csv"), str(run / "plot_run.m")]
-    header = (run / "run.csv").read_text().splitlines()[0].split(",")
-    assert header[:4] == ["time_s", "end_effector", "command", "bottom_vacuum"]
-    pressures = [name for name in header if name.endswith("_gauge_kpa")]
-    assert pressures == [f"{each}_gauge_kpa" for each in PRESSURES.channels]
-    assert "function plot_run(table, picture)" in (run / "plot_run.m").read_text()
-
-
 def test_a_folder_with_traces_only_says_what_takes_them(tmp_path, plot):
     (tmp_path / "grip-0001.mcap").touch()
     code, _, err = plot(tmp_path)

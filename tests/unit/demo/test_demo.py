@@ -28,7 +28,7 @@ from end_effector_lab.testbench import Testbench, open_inputs, open_ports
 
 FILES = {
     "alarms.csv", "events.csv", "arbiter.log", "end_effector.yaml", "hal.mcap", "lines.log", "paper.png", "paper.svg",
-    "plot_run.m", "pressures.csv", "run.csv", "run.json", "states.csv", "switches.csv", "testbench.log", "timeline.png",
+    "pressures.csv", "run.json", "states.csv", "switches.csv", "testbench.log", "timeline.png",
     "timeline.svg", "tool.log", "tool_changer.csv",
 }  # fmt: skip
 
