@@ -266,7 +266,7 @@ def test_test_code_is_ignored_with_a_note() -> None:
 
 def test_the_files_of_this_product_have_no_notes() -> None:
     package = Path(load_document.__code__.co_filename).parents[2] / "end_effector_hal"
-    files = sorted(package.rglob("*.xml"))
+    files = [file for file in sorted(package.rglob("*.xml")) if b"<nta" in file.read_bytes()]
     assert len(files) >= 2
     for file in files:
         assert load_document(file).notes == (), file
