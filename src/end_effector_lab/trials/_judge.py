@@ -401,7 +401,9 @@ class Judge:
         if self._reality.restarted(name, each.at) or self._reality.is_overruled(name):
             return
         for other in order[: order.index(name)]:
-            if self._active[other] and self._is_unwound(other):
+            # a release that waits for a closed bus holds up the next one no longer than its time
+            waits = self._is_cut_off and self._line[other] in self._description.register_outputs
+            if self._active[other] and self._is_unwound(other) and not waits:
                 self._object("order", f"{name} was deactivated before {other}")
 
     def _is_late(self, each: Switching) -> bool:

@@ -89,6 +89,18 @@ def test_what_died_in_a_release_says_which_one_is_owed_when_the_port_is_closed(
     assert not any("stay as they are" in each for each in told.alarm_texts)
 
 
+def test_a_release_that_waits_for_a_closed_port_holds_up_the_next_no_longer_than_its_time() -> None:
+    tool = example("cells/three_parts")
+    words = (
+        "grip crate; wait 5; scenario closed-after:gripper:0; drop; wait 0.001; kill hal; wait 13; start hal"
+    )
+    trial = play_case(tool, case_from_words(words, tool))
+    assert trial.failures == {}
+    off = [each for each in trial.tool.edges if not each.level]
+    lines = {each.line: name for name, each in tool.actuators.items()}
+    assert [lines[each.line] for each in off][:2] == ["right", "left"]
+
+
 def test_an_activation_is_given_up_while_the_port_is_closed(tool: Description) -> None:
     """Nothing moves unexpectedly when the network is back."""
     played = VirtualTool(tool)
