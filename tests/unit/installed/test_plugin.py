@@ -14,7 +14,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
-from packaging.specifiers import SpecifierSet
 
 from end_effector_hal import plugins
 from end_effector_hal.cli.plugin import _check, _package, _requirement
@@ -227,37 +226,22 @@ def test_the_list_says_that_an_upgrade_has_brought_another_version(tmp_path: Pat
     assert found.fault == f"It needs click<8, and {CLICK} is installed."
 
 
-VERSIONS = (
-    "1.9",
-    "2",
-    "2.0.0",
-    "2.0.1",
-    "2.1.dev3",
-    "2.1a1",
-    "2.1rc2",
-    "2.1",
-    "2.1.post1",
-    "2.10.3",
-    "3.0+local",
-    "1!1.0",
-)
-WANTED = (
-    "==2", "==2.0.*", "!=2.1.*", "!=2.1", ">=2.1", ">2.0", "<=2.1", "<2.1.dev3", "~=2.0", "~=2.1.0", ">=2.1rc1",
-    "==2.1rc2", ">=2.0, <2.10", "(>=2.1)", "==1!1.*", "",
+@pytest.mark.parametrize(
+    ("wanted", "met"),
+    [
+        ("pack[fast] >=2, <3", True), ("pack ~=2.0", True), ("pack (>=2.2)", False), ("pack >=2.1", True),
+        ("pack >=9; python_version < '3'", True), ("pack >=9; extra == 'fast'", True),
+        ("pack >=9; python_version > '3'", False),
+    ],
 )  # fmt: skip
+def test_a_requirement_is_met_by_the_version_that_is_installed(
+    wanted: str, met: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_requirement, "version_of", lambda _: "2.1")
+    assert (unmet([wanted]) == "") is met
 
 
-@pytest.mark.parametrize("wanted", WANTED)
-def test_versions_are_compared_as_pip_does(wanted: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    known = SpecifierSet(wanted.strip("()"))
-    for installed in VERSIONS:
-        monkeypatch.setattr(_requirement, "version_of", lambda _, found=installed: found)
-        assert (unmet([f"pack[fast]{wanted}"]) == "") is known.contains(installed, prereleases=True), (
-            installed
-        )
-
-
-@pytest.mark.parametrize("clause", ["===2", ">=two", "2", ">=" + "1" * 200])
+@pytest.mark.parametrize("clause", ["===2", ">=two", "2", ">=" + "1" * 200, "; nothing == 'here'"])
 def test_what_cannot_be_compared_is_refused(clause: str) -> None:
     assert unmet([f"click {clause}"])
 
