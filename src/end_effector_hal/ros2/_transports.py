@@ -11,7 +11,7 @@ from pathlib import Path
 
 _PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 """Name a file with transports; Fast DDS 3 reads the first, Fast DDS 2 the second."""
-_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+_RANGE, _ONLY_LOCAL = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"
 _TRANSPORTS, _UDP = "FASTDDS_BUILTIN_TRANSPORTS", "UDPv4"
 _LOOPBACK = Path(__file__).with_name("loopback.xml")
 
@@ -24,7 +24,9 @@ def without_shared_memory(env: MutableMapping[str, str]) -> None:
     """
     if any(env.get(name) for name in _PROFILES) or env.get(_TRANSPORTS, _UDP) != _UDP:
         return
-    if env.get(_RANGE) == "LOCALHOST" and not env.get("ROS_STATIC_PEERS"):
+    # the older variable overrides the others
+    only_local = env.pop(_ONLY_LOCAL, "") == "1"
+    if only_local or (env.get(_RANGE) == "LOCALHOST" and not env.get("ROS_STATIC_PEERS")):
         # for this range rmw_fastrtps adds shared memory itself
         env[_RANGE] = "SYSTEM_DEFAULT"
         env.update(dict.fromkeys(_PROFILES, str(_LOOPBACK)))

@@ -21,13 +21,16 @@ def test_the_transport_is_udp(given: dict[str, str]) -> None:
     assert env == {**given, **UDP}
 
 
-@pytest.mark.parametrize("given", [{}, UDP], ids=["nothing", "udp"])
+@pytest.mark.parametrize(
+    "given", [LOCAL, LOCAL | UDP, {"ROS_LOCALHOST_ONLY": "1"}], ids=["local", "udp", "only"]
+)
 def test_on_loopback_a_profile_replaces_what_the_middleware_would_add(given: dict[str, str]) -> None:
-    env = LOCAL | given
+    env = dict(given)
     without_shared_memory(env)
     assert env.pop(RANGE) == "SYSTEM_DEFAULT"
-    for name in given:
-        del env[name]
+    assert "ROS_LOCALHOST_ONLY" not in env
+    for name in UDP:
+        env.pop(name, None)
     assert {path.rpartition("/")[2] for path in env.values()} == {"loopback.xml"}
 
 
