@@ -38,6 +38,7 @@ class World:
         own_wires: keep lines and link unchanged; the device at their other end plays the scenario.
         outlives_us: whether the line arbiter survives a kill of this process.
         seed: seed of the noise and the dead times of the testbench.
+        events: file in the folder for the edges and frames of the testbench; empty: none.
         models: devices that the testbench plays by their makers' manuals, as for its option ``--model``, beside those
             that the description names.
 
@@ -63,10 +64,11 @@ class World:
         outlives_us: bool = True,
         seed: int = 0,
         models: str = "",
+        events: str = "",
     ) -> None:
         parse_scenario(bench, description)
         self.folder, self._bench, self._own_wires = folder, bench, own_wires
-        self._outlives_us, self._seed = outlives_us, seed
+        self._outlives_us, self._seed, self._events = outlives_us, seed, events
         self._models = text_of(chosen_models(models, description))  # a written copy names no device
         # a socket's path may be 108 bytes long only: not in the run folder
         self.place = Path(mkdtemp(prefix="eehal-demo-"))
@@ -110,7 +112,8 @@ class World:
     def _start(self) -> None:
         path, start = str(self.description_path), self.children.start
         if not self._own_wires:
-            more = ["--model", self._models] if self._models else []
+            more = ["--events", str(self.folder / self._events)] if self._events else []
+            more += ["--model", self._models] if self._models else []
             self.testbench = start(
                 "testbench",
                 [*EEHAL, "testbench", path, "--scenario", self._bench, "--seed", str(self._seed), *more],
