@@ -401,10 +401,14 @@ class Judge:
         if self._reality.restarted(name, each.at) or self._reality.is_overruled(name):
             return
         for other in order[: order.index(name)]:
-            # a release that waits for a closed bus holds up the next one no longer than its time
-            waits = self._is_cut_off and self._line[other] in self._description.register_outputs
-            if self._active[other] and self._is_unwound(other) and not waits:
+            if self._active[other] and self._is_unwound(other) and not self._is_overdue(other, each.at):
                 self._object("order", f"{name} was deactivated before {other}")
+
+    def _is_overdue(self, name: str, at: int) -> bool:
+        """Return whether a release waits for a silent bus and its time is over: the next one waits no longer."""
+        actuator = self._gripping.actuators[name]
+        on_bus = actuator.line in self._description.register_outputs
+        return on_bus and self._is_cut_off and at - self._released_at >= to_us(actuator.release_s) - NEAR_US
 
     def _is_late(self, each: Switching) -> bool:
         """Return whether no command was active at that time, and the program has not just started."""
