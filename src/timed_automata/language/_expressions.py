@@ -28,6 +28,11 @@ _LEVELS = {word: level for level, words in enumerate(_PRECEDENCE.split(",")) for
 _EXPRESSION, _OPERATOR = "an expression", "an operator"
 
 
+def too_deep(text: Text) -> ModelError:
+    """Return the error for a text whose nesting has no limit that can be named."""
+    return fault(text.whole, "This text is nested too deeply.", "Break it into parts.")
+
+
 class ExpressionParser(ABC):
     """A position in the tokens of a text, and what could stand there."""
 
@@ -147,7 +152,7 @@ class ExpressionParser(ABC):
             self._next()
             read += 1
             if read >= NESTING:  # each operator is one level of what is built
-                raise fault(self._text.whole, "This text is nested too deeply.", "Break it into parts.")
+                raise too_deep(self._text)
             while operators and _LEVELS[operators[-1]] >= _LEVELS[operator]:
                 self._join(operands, operators.pop())
             operators.append(operator)

@@ -9,7 +9,7 @@ from typing import Any
 from timed_automata._limits import NESTING, TEXT_CHARACTERS
 from timed_automata.document import Span, Text, fault, refused
 from timed_automata.language import ast
-from timed_automata.language._expressions import OPERAND, ExpressionParser
+from timed_automata.language._expressions import OPERAND, ExpressionParser, too_deep
 from timed_automata.language._tokens import END, NAME, NO_NAMES
 
 _DEPTH = re.compile(
@@ -300,5 +300,5 @@ def parse(text: Text, start: str) -> Any:
         found = getattr(parser, start)()
         parser.take_end()
     except RecursionError:
-        raise fault(text.whole, "This text is nested too deeply.") from None
+        raise too_deep(text) from None
     return found
