@@ -164,7 +164,7 @@ class ClusterWorkers(Workers):
             raise WorkersError(
                 f"The scheduler has gone: {_first_line(error)}.",
                 where=self._address,
-                todo="Repeat the command when the scheduler runs again.",
+                todo="Repeat the command with a new folder when the scheduler runs again.",
             ) from None
 
 
@@ -219,7 +219,7 @@ class _Tasks(Computation):
             raise WorkersError(
                 f"All workers have gone, {GONE_S:g} s ago.",
                 where=self._client.scheduler.address,
-                todo="Repeat the command when there are workers again.",
+                todo="Repeat the command with a new folder when there are workers again.",
             )
         return 2 * max(self._workers, 1)  # no worker waits for its next task
 
