@@ -163,7 +163,7 @@ class OutputLines:
         found = self.remote.troubles()
         self._renewed.difference_update(found)
         return {
-            f"{'output' if line in self._commanded else UNREAD} {line}": f"{self._policy.called(line)} {why}."
+            f"{OUTPUT if line in self._commanded else UNREAD} {line}": f"{self._policy.called(line)} {why}."
             for line, why in found.items()
         }
 
@@ -172,7 +172,7 @@ class OutputLines:
         if self.remote is None:
             return frozenset()
         sure = self._renewed.difference(self.remote.unsure(), self._half_done)
-        return frozenset(f"output {line}" for line in sure)
+        return frozenset(f"{OUTPUT} {line}" for line in sure)
 
     def last_ready_at(self, writes: Iterable[Write]) -> int:
         """Return the time at which the last of these writes can be applied if all are applied as early as possible,
@@ -210,8 +210,10 @@ class OutputLines:
         }
 
 
-UNREAD = "unread"
-"""Begins the name of a fault: an output without a command is not known, because its bus cannot be read."""
+OUTPUT, UNREAD = "output", "unread"
+"""Begin the names of faults of outputs on a bus: of one that was commanded; of one without a command that is not known,
+because its bus cannot be read.
+"""
 DROP_FIRST = (
     "Drop first: restore the former description, start the line arbiter and the programs with it, Drop (or switch the "
     "output off), and end them. Then change the description. Until then no line is touched."
